@@ -1,0 +1,249 @@
+"""The options that commands share, each written once, and what they mean to the library.
+
+Every ``add_...`` takes a parser; every other function takes the parsed arguments. Nothing here imports numpy before a
+command runs: ``navfix --help`` stays quick.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from navfix.cli.errors import CommandError
+
+if TYPE_CHECKING:
+    from navfix.catalog import RadarModel
+
+STDIN = "-"
+OUT_SUFFIXES = (".txt", ".json", ".svg", ".geojson", ".html", ".nmea", ".gpx", ".csv")
+KERNELS = "none, huber, hampel, danish, tukey, igg3, gnc"
+_INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel")
+
+
+# ------------------------------------------------------------------------------------------------ values of options
+
+
+def positive(text: str) -> float:
+    """Return a finite number > 0."""
+    number = _number(text)
+    if not number > 0.0:
+        raise argparse.ArgumentTypeError(f"must be > 0, got {text}")
+    return number
+
+
+def not_negative(text: str) -> float:
+    """Return a finite number >= 0."""
+    number = _number(text)
+    if number < 0.0:
+        raise argparse.ArgumentTypeError(f"must be >= 0, got {text}")
+    return number
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a number, got {text!r}") from None
+    if not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"must be finite, got {text}")
+    return number
+
+
+def instant(text: str) -> datetime:
+    """Return an ISO 8601 time as aware UTC; a time without a zone is UTC."""
+    try:
+        time = datetime.fromisoformat(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a time like 2026-01-01T12:00:00Z, got {text!r}") from None
+    return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
+
+
+def output_file(text: str) -> Path:
+    """Return a path to write to: a known suffix, in a folder that exists."""
+    path = Path(text)
+    if path.suffix.lower() not in OUT_SUFFIXES:
+        raise argparse.ArgumentTypeError(f"{text}: the suffix chooses the format; known are {' '.join(OUT_SUFFIXES)}")
+    if path.is_dir():
+        raise argparse.ArgumentTypeError(f"{text}: is a directory")
+    if not path.parent.is_dir():
+        raise argparse.ArgumentTypeError(f"{text}: there is no folder {path.parent}")
+    return path
+
+
+# ------------------------------------------------------------------------------------------------ groups of options
+
+
+def add_log(parser: argparse.ArgumentParser) -> None:
+    """Add LOG: a file of NMEA sentences, or "-" for standard input."""
+    parser.add_argument("log", metavar="LOG", help="NMEA log with radar targets (TTM) and AIS (VDM); - reads stdin")
+
+
+def add_estimation(parser: argparse.ArgumentParser) -> None:
+    """Add --kernel, --radar, --range-sigma, --bearing-sigma."""
+    group = parser.add_argument_group("estimation")
+    add_kernel(group)
+    group.add_argument("--radar", metavar="NAME", default="imo", help="radar model of the catalogue (default: imo)")
+    group.add_argument(
+        "--range-sigma", metavar="M", type=positive, help="1 sigma of a radar range [m], replaces the model's"
+    )
+    group.add_argument(
+        "--bearing-sigma", metavar="DEG", type=positive, help="1 sigma of a radar bearing [deg], replaces the model's"
+    )
+
+
+def add_kernel(parser: argparse._ActionsContainer) -> None:
+    """Add --kernel."""
+    parser.add_argument(
+        "--kernel",
+        metavar="KERNEL",
+        default="hampel",
+        help=f"how outliers are damped: {KERNELS}, or a TOML file (default: hampel)",
+    )
+
+
+def add_evidence(parser: argparse.ArgumentParser) -> None:
+    """Add --chart, --heading-from, --no-prior: what may be used beside radar and AIS."""
+    group = parser.add_argument_group("evidence")
+    group.add_argument(
+        "--chart",
+        metavar="FILE",
+        action="append",
+        default=[],
+        type=Path,
+        help="chart file with more marks (repeatable)",
+    )
+    group.add_argument(
+        "--heading-from",
+        choices=("auto", "none", "gyro"),
+        default="auto",
+        help="whether a heading in the log is used (default: auto)",
+    )
+    group.add_argument("--no-prior", action="store_true", help="ignore the hints in the log: cold start")
+
+
+def add_at(parser: argparse.ArgumentParser) -> None:
+    """Add --at."""
+    parser.add_argument(
+        "--at",
+        metavar="ISO8601",
+        type=instant,
+        help="solve the radar scan of this time (default: the last complete one)",
+    )
+
+
+def add_window(parser: argparse.ArgumentParser) -> None:
+    """Add --window."""
+    parser.add_argument(
+        "--window", metavar="S", type=positive, help="join the scans of so many seconds into one answer"
+    )
+
+
+def add_independent(parser: argparse.ArgumentParser) -> None:
+    """Add --independent."""
+    parser.add_argument("--independent", action="store_true", help="solve every scan or window alone")
+
+
+def add_truth(parser: argparse.ArgumentParser) -> None:
+    """Add --truth."""
+    parser.add_argument(
+        "--truth", metavar="CSV", type=Path, help="true track (unix,lat,lon,heading_deg): adds the error of each fix"
+    )
+
+
+def add_outlines(parser: argparse.ArgumentParser) -> None:
+    """Add --outlines."""
+    parser.add_argument("--outlines", metavar="FILE", type=Path, help="echo outlines beside the log, JSON lines")
+
+
+def add_out(parser: argparse.ArgumentParser) -> None:
+    """Add --out."""
+    parser.add_argument(
+        "--out",
+        metavar="FILE",
+        action="append",
+        default=[],
+        type=output_file,
+        help=f"also write FILE (repeatable); the suffix chooses the format: {' '.join(OUT_SUFFIXES)}",
+    )
+
+
+def add_output(parser: argparse.ArgumentParser) -> None:
+    """Add --json and --out."""
+    parser.add_argument("--json", action="store_true", help="print JSON in place of the text")
+    add_out(parser)
+
+
+# ------------------------------------------------------------------------------------- what the arguments stand for
+
+
+def radar(args: argparse.Namespace) -> RadarModel:
+    """Return the radar model that --radar names, with --range-sigma and --bearing-sigma in place of its own.
+
+    Raises
+    ------
+    CatalogError : no radar model has this name
+    """
+    from dataclasses import replace
+
+    from navfix.catalog import radar_model
+
+    model = radar_model(args.radar)
+    if args.range_sigma is not None:
+        model = replace(model, range_sigma_m=args.range_sigma, range_sigma_fraction=0.0)
+    if args.bearing_sigma is not None:
+        model = replace(model, bearing_sigma_deg=args.bearing_sigma)
+    return model
+
+
+def inputs(args: argparse.Namespace) -> Iterator[Path]:
+    """Yield every file that the arguments name as input."""
+    for name in _INPUTS:
+        value = getattr(args, name, None)
+        for item in value if isinstance(value, list) else [value]:
+            if item not in (None, STDIN):
+                yield Path(item)
+
+
+def protect_inputs(args: argparse.Namespace) -> None:
+    """Refuse an output that is one of the inputs (also through links), or that is named twice.
+
+    Raises
+    ------
+    CommandError : the same file is read and written, or written twice
+    """
+    read = list(inputs(args))
+    written: list[Path] = []
+    for out in getattr(args, "out", None) or ():
+        if any(_same(out, path) for path in read):
+            raise CommandError(f"--out {out} is an input file; an input is never overwritten")
+        if any(_same(out, path) for path in written):
+            raise CommandError(f"--out {out} is named twice")
+        written.append(out)
+
+
+def _same(one: Path, other: Path) -> bool:
+    if one.exists() and other.exists():
+        return one.samefile(other)
+    return one.resolve() == other.resolve()
+
+
+def write_outputs(paths: Sequence[Path], writers: Mapping[str, Callable[[], str]]) -> None:
+    """Write each path with the writer of its suffix; a writer returns the whole text and runs only when asked for.
+
+    Raises
+    ------
+    CommandError : this command has no writer for a suffix (before anything is written), or a file cannot be written
+    """
+    for path in paths:
+        if path.suffix.lower() not in writers:
+            raise CommandError(f"--out {path}: this command cannot write {path.suffix}; it writes {' '.join(writers)}")
+    for path in paths:
+        text = writers[path.suffix.lower()]()
+        try:
+            path.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise CommandError(f"--out {path}: cannot be written: {error.strerror}") from error
