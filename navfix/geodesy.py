@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from navfix.errors import InputError
 from navfix.types import FloatArray, Position
+from navfix.units import wrap_180
 
 WGS84_A_M = 6378137.0
 WGS84_F = 1.0 / 298.257223563
@@ -38,21 +39,25 @@ def observer_of(mark: Position, bearing_deg: float, range_m: float) -> Position:
     """Return the place from which ``mark`` is seen at ``bearing_deg`` (true, **at that place**) and ``range_m``.
 
     Meridians converge, so the way back from the mark is not exactly bearing + 180: at 60 N, 12 NM due east of the
-    observer it is 10 arc minutes off, 134 m. The back azimuth is iterated until the bearing fits to 1e-10 deg.
+    observer it is 20 arc minutes off, 134 m. The back azimuth is found by secant steps until the bearing fits to
+    1e-10 deg or 1 micrometre.
 
     Raises
     ------
-    InputError : no such place was found (within metres of a pole every bearing is south or north)
+    InputError : no such place was found (the mark is nearer to a pole than to the observer: there two places fit, or none)
     """
-    back_deg = bearing_deg + 180.0
+    back_deg, step_deg, last_misclosure_deg = bearing_deg + 180.0, 0.0, 0.0
     for _ in range(50):
         observer = direct(mark, back_deg, range_m)
         seen_range_m, seen_deg = inverse(observer, mark)
-        misclosure_deg = (bearing_deg - seen_deg + 180.0) % 360.0 - 180.0
-        if abs(misclosure_deg) < 1e-10 or abs(misclosure_deg) * seen_range_m < 1e-6:
+        misclosure_deg = wrap_180(bearing_deg - seen_deg)
+        if abs(misclosure_deg) < 1e-10 or math.radians(abs(misclosure_deg)) * seen_range_m < 1e-6:
             return observer
-        back_deg += misclosure_deg
-    raise InputError(f"no place sees {mark} at {bearing_deg} deg and {range_m} m: too near to a pole")
+        gained_deg = last_misclosure_deg - misclosure_deg
+        rate = gained_deg / step_deg if step_deg * gained_deg > 0.0 else 1.0
+        step_deg, last_misclosure_deg = max(-45.0, min(45.0, misclosure_deg / rate)), misclosure_deg
+        back_deg += step_deg
+    raise InputError(f"no place sees {mark} at {bearing_deg} deg and {range_m} m: the mark is too near to a pole")
 
 
 class LocalPlane:
