@@ -30,7 +30,7 @@ def inverse(start: Position, end: Position) -> tuple[float, float]:
 
 
 def direct(start: Position, azimuth_deg: float, distance_m: float) -> Position:
-    """Solve the direct (first) geodetic problem: the place ``distance_m`` along the geodesic leaving at ``azimuth_deg``."""
+    """Solve the direct (first) geodetic problem: the place ``distance_m`` along the geodesic of this azimuth."""
     line = Geodesic.WGS84.Direct(start.lat_deg, start.lon_deg, azimuth_deg, distance_m, _DIRECT)
     return Position(line["lat2"], line["lon2"])
 
@@ -44,7 +44,7 @@ def observer_of(mark: Position, bearing_deg: float, range_m: float) -> Position:
 
     Raises
     ------
-    InputError : no such place was found (the mark is nearer to a pole than to the observer: there two places fit, or none)
+    InputError : no such place was found (a mark nearer to a pole than to the observer: there two places fit, or none)
     """
     back_deg, step_deg, last_misclosure_deg = bearing_deg + 180.0, 0.0, 0.0
     for _ in range(50):
@@ -102,7 +102,8 @@ def cloud_to_plane(origin: Position, lat_deg: ArrayLike, lon_deg: ArrayLike) -> 
     """
     lat, lon = math.radians(origin.lat_deg), math.radians(origin.lon_deg)
     offset = ecef(lat_deg, lon_deg) - ecef(origin.lat_deg, origin.lon_deg)
-    north = -math.sin(lat) * math.cos(lon) * offset[..., 0] - math.sin(lat) * math.sin(lon) * offset[..., 1] + math.cos(lat) * offset[..., 2]
+    outwards = math.cos(lon) * offset[..., 0] + math.sin(lon) * offset[..., 1]  # from the axis of the earth
+    north = math.cos(lat) * offset[..., 2] - math.sin(lat) * outwards
     east = -math.sin(lon) * offset[..., 0] + math.cos(lon) * offset[..., 1]
     radius_m = WGS84_A_M
     half_chord = np.minimum(np.linalg.norm(offset, axis=-1) / (2.0 * radius_m), 1.0)
@@ -118,7 +119,8 @@ def centroid(lat_deg: ArrayLike, lon_deg: ArrayLike, weights: ArrayLike | None =
     ------
     InputError : no places, or places that cancel out (spread over the whole globe)
     """
-    lat, lon = np.radians(np.atleast_1d(np.asarray(lat_deg, float))), np.radians(np.atleast_1d(np.asarray(lon_deg, float)))
+    lat = np.radians(np.atleast_1d(np.asarray(lat_deg, dtype=np.float64)))
+    lon = np.radians(np.atleast_1d(np.asarray(lon_deg, dtype=np.float64)))
     if lat.size == 0:
         raise InputError("a centroid needs at least one place, got none")
     share = np.ones(lat.shape) if weights is None else np.asarray(weights, dtype=np.float64)
@@ -126,4 +128,5 @@ def centroid(lat_deg: ArrayLike, lon_deg: ArrayLike, weights: ArrayLike | None =
     length = float(np.linalg.norm(vector))
     if not length > 1e-6 * float(np.sum(np.abs(share))):
         raise InputError("the places have no centroid: they are spread around the whole globe")
-    return Position(math.degrees(math.atan2(vector[2], math.hypot(vector[0], vector[1]))), math.degrees(math.atan2(vector[1], vector[0])))
+    x, y, z = vector.tolist()
+    return Position(math.degrees(math.atan2(z, math.hypot(x, y))), math.degrees(math.atan2(y, x)))

@@ -418,10 +418,11 @@ class MeanFix:
 
     ``individual_ne_m`` is (k, 2), each pair's own position about ``position`` in (north, east); ``used`` (k,) tells
     which survived the rejection. ``covariance`` (2, 2) is the spread of the single-mark positions (not of their mean).
+    ``heading_deg`` is None where all bearings are true and no heading was told.
     """
 
     position: Position
-    heading_deg: float
+    heading_deg: float | None
     individual_ne_m: FloatArray
     used: NDArray[np.bool_]
     covariance: FloatArray | None
