@@ -40,6 +40,43 @@ class RadarModel:
         return np.maximum(self.range_sigma_m, self.range_sigma_fraction * np.asarray(range_m, dtype=np.float64))
 
 
+@dataclass(frozen=True, slots=True)
+class AssociationModel:
+    """Constants of the association: how it searches, what it averages over, when it answers (see models/association)."""
+
+    name: str
+    title: str
+    source: str
+    pairs_per_stage: list[int]
+    pair_gate_sigma: float
+    seeds: int
+    cell_m: float
+    cell_deg: float
+    votes_at_most: int
+    annealing: list[float]
+    neighbours: int
+    clutter_share: list[float]
+    detection_level: list[float]
+    clutter_kernel_m: float
+    far_detection: float
+    conspicuity_long: float
+    conspicuity_unknown: float
+    conspicuity_medium: float
+    conspicuity_small: float
+    conspicuity_aton: float
+    long_m: float
+    medium_m: float
+    distinct_m: float
+    distinct_deg: float
+    distinct_sigma: float
+    stop_evidence: float
+    stop_margin: float
+    accept_evidence: float
+    accept_margin: float
+    accept_pairs: int
+    rivals_per_nat: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -54,6 +91,11 @@ def radar_model(name: str | RadarModel) -> RadarModel:
     CatalogError : unknown name, unknown or missing key
     """
     return name if isinstance(name, RadarModel) else _load("radar", name, RadarModel)
+
+
+def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:
+    """Return the constants of an association method by name in models/association, or the record itself."""
+    return name if isinstance(name, AssociationModel) else _load("association", name, AssociationModel)
 
 
 def names(kind: str) -> list[str]:
@@ -112,7 +154,7 @@ def build(record: type[Record], content: dict[str, Any], *, where: str) -> Recor
     for key, field in known.items():
         if key not in content and field.default is MISSING and field.default_factory is MISSING:
             raise CatalogError(f"{where}: missing key {key!r}", path=where, key=key)
-        wants_number = "float" in str(field.type)
+        wants_number = str(field.type).startswith(("float", "int"))
         if key in content and wants_number and (isinstance(content[key], bool) or not isinstance(content[key], int | float)):
             raise CatalogError(f"{where}: {key} must be a number, got {content[key]!r}", path=where, key=key)
     return record(**content)

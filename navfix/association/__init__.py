@@ -1,0 +1,126 @@
+"""Which radar target is which mark: association from any heading and any overlap, and knowing when not to answer."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from navfix.catalog import AssociationModel, RadarModel, association_model, radar_model
+from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
+from navfix.types import Alternative, Association, Epoch
+
+if TYPE_CHECKING:
+    from navfix.association.scene import Scene
+    from navfix.association.seeded import Search
+
+__all__ = ["associate"]
+
+MINIMUM_TARGETS = 3
+
+
+def associate(
+    epoch: Epoch, *, method: str | AssociationModel = "seeded", radar: RadarModel | str = "imo"
+) -> Association:
+    """Find which target is which mark, and with it own position and heading, from any start.
+
+    Parameters
+    ----------
+    epoch : targets and marks at one instant; at least three of each
+    method : constants of the seeded Coherent Point Drift (a name in models/association)
+    radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
+
+    Returns
+    -------
+    Association - one-to-one pairs with probabilities, pose, covariance (3, 3), evidence, margin, alternatives
+
+    Raises
+    ------
+    TooFewPairs : fewer than three targets or marks
+    NoAgreement : no pose explains the echoes better than chance
+    Ambiguous : another place explains them nearly as well; it lists all of them
+
+    References
+    ----------
+    [1] Myronenko & Song (2010), Point set registration: Coherent Point Drift.  [2] Knopp, thesis, 2.2 and 4.2.
+    """
+    from navfix.association import scene as scenes
+    from navfix.association import seeded
+
+    model = association_model(method)
+    _require_enough(epoch)
+    scene = scenes.build(epoch, radar_model(radar), model)
+    found = seeded.search(scene, model)
+    _require_agreement(found, scene, model)
+    return _association(found, scene, model)
+
+
+def _require_enough(epoch: Epoch) -> None:
+    for word, count in (("radar targets", len(epoch.targets)), ("marks of known position", len(epoch.marks))):
+        if count < MINIMUM_TARGETS:
+            raise TooFewPairs(
+                f"{count} {word}: position and heading need at least {MINIMUM_TARGETS}",
+                observations=2 * count,
+                unknowns=3,
+            )
+
+
+def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> None:
+    """Raise unless the best answer has enough evidence, enough marks and enough margin."""
+    from navfix.association import ambiguity
+
+    best_evidence, best_marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
+    alternatives = _alternatives(found, scene, model)
+    if best_evidence < model.accept_evidence or best_marks < model.accept_pairs:
+        raise NoAgreement(
+            f"no place explains the echoes better than chance: the best matches {best_marks} marks "
+            f"with evidence {best_evidence:.1f} (needed {model.accept_pairs} and {model.accept_evidence:g})",
+            evidence=best_evidence,
+            alternatives=alternatives,
+        )
+    if ambiguity.margin(found.answers) < model.accept_margin:
+        raise Ambiguous(
+            f"{len(alternatives)} places explain the echoes nearly alike: the best is only "
+            f"{ambiguity.margin(found.answers):.1f} ahead (needed {model.accept_margin:g})",
+            alternatives=alternatives,
+        )
+
+
+def _alternatives(found: Search, scene: Scene, model: AssociationModel) -> tuple[Alternative, ...]:
+    """Return every distinct answer within the acceptance margin of the best, at least two where there are."""
+    from navfix.association import ambiguity
+    from navfix.association.scene import position_of
+
+    answers = found.answers
+    rows = ambiguity.contenders(answers, max(model.accept_margin, ambiguity.margin(answers) + 1e-9))
+    return tuple(
+        Alternative(
+            position_of(scene, complex(answers.poses.p[row])),
+            math.degrees(answers.poses.heading_rad[row]) % 360.0,
+            float(answers.evidence[row]),
+            int(answers.ships[row]),
+        )
+        for row in rows
+    )
+
+
+def _association(found: Search, scene: Scene, model: AssociationModel) -> Association:
+    import numpy as np
+
+    from navfix.association import ambiguity, pairs
+    from navfix.association.scene import position_of
+
+    answers = found.answers
+    index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
+    ahead = ambiguity.margin(answers)
+    return Association(
+        pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
+        probability=probability,
+        position=position_of(scene, complex(answers.poses.p[0])),
+        heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
+        covariance=np.linalg.inv(answers.information[0]),
+        evidence=float(answers.evidence[0]),
+        margin=min(ahead, 1e6),
+        probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
+        alternatives=_alternatives(found, scene, model),
+        method=model.name,
+    )

@@ -1,0 +1,60 @@
+"""Steps 5 and 6 in judgement: which poses are distinct answers, how far ahead the best is, and whether that is enough."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navfix.association.evidence import Judged
+from navfix.catalog import AssociationModel
+from navfix.types import FloatArray
+from navfix.units import wrap_pi
+
+
+def distinct(judged: Judged, model: AssociationModel) -> Judged:
+    """Keep the best of every group of poses that are the same answer (judged is sorted, best first)."""
+    left = np.ones(len(judged.score), dtype=bool)
+    kept = []
+    for row in range(len(left)):
+        if left[row]:
+            kept.append(row)
+            left &= ~same_answer(judged, row, model)
+            left[row] = False
+    rows = np.array(kept, dtype=np.int64)
+    return Judged(
+        judged.poses.take(rows), judged.information[rows], judged.log_ratio[rows],
+        judged.score[rows], judged.evidence[rows], judged.ships[rows],
+    )  # fmt: skip
+
+
+def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np.bool_]:
+    """Tell which poses (k,) are the same optimum as ``row``: near in metres and degrees, or within its own sigmas."""
+    offset = judged.poses.p - judged.poses.p[row]
+    turn_rad = wrap_pi(judged.poses.heading_rad - judged.poses.heading_rad[row])
+    near = (np.abs(offset) <= model.distinct_m) & (np.abs(turn_rad) <= np.radians(model.distinct_deg))
+    step = np.stack([offset.real, offset.imag, turn_rad], axis=1)
+    mahalanobis_sq = np.einsum("ki,ij,kj->k", step, judged.information[row], step)
+    same: NDArray[np.bool_] = near | (mahalanobis_sq <= model.distinct_sigma**2)
+    return same
+
+
+def margin(judged: Judged) -> float:
+    """Return by how many nats the best distinct answer is ahead of the next (infinite where there is no other)."""
+    return float(judged.score[0] - judged.score[1]) if len(judged.score) > 1 else float("inf")
+
+
+def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:
+    """Return the probability that an accepted answer is another place.
+
+    Rivals that the search listed and rivals of the same kind that it did not count as ``rivals_per_nat`` exp(-margin);
+    the chance that nothing right exists and the best place is an accident falls with the evidence.
+    """
+    rival = model.rivals_per_nat * np.exp(-ahead)
+    accident = np.exp(-evidence)
+    return float(min(1.0, rival + accident))
+
+
+def contenders(judged: Judged, within: float) -> FloatArray:
+    """Return the rows of every answer within ``within`` nats of the best, best first."""
+    rows: FloatArray = np.flatnonzero(judged.score >= judged.score[0] - within)
+    return rows

@@ -1,0 +1,167 @@
+"""Step 4: Coherent Point Drift's EM for many poses at once, in the noise that a radar has.
+
+E-step: responsibilities of the nearest marks for every target, as in Myronenko & Song (2010) eq. 6, with two changes:
+each target has its own polar covariance, and the outlier term is the local clutter density.
+M-step: one Gauss-Newton step on (p, h) in place of their closed form (Fig. 2), which needs equal, round covariances.
+The sigmas are annealed from wide to true.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from navfix.association.scene import Scene
+from navfix.association.seeds import Poses
+from navfix.catalog import AssociationModel
+from navfix.types import FloatArray, IntArray
+
+
+class Field:
+    """What every pose of one scene is tried against: the marks' tree, detection and clutter at nominal shares."""
+
+    def __init__(self, scene: Scene, model: AssociationModel) -> None:
+        self.scene = scene
+        self.model = model
+        self.neighbours = min(model.neighbours, len(scene.z))
+        self.clutter_per_m2 = clutter_density(scene, model)
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        return cKDTree(self.scene.mark_xy)
+
+    def detection(self, distance_m: FloatArray, conspicuity: FloatArray) -> FloatArray:
+        """Return the detection probability at level 1: conspicuity, full to half the radar's range, then falling."""
+        beyond_half = np.clip(2.0 * distance_m / self.scene.radar_range_m - 1.0, 0.0, 1.0)
+        fall: FloatArray = conspicuity * (1.0 - (1.0 - self.model.far_detection) * beyond_half)
+        return fall
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Targets laid over marks at k poses: for each pose, target and neighbour.
+
+    ``mark`` (k, m, q) mark indices; ``radial_m`` and ``tangential_m`` (k, m, q) misfits in the target's own axes;
+    ``radial_m2``, ``tangential_m2`` (k, m, q) their variances (radar and mark together).
+    """
+
+    mark: IntArray
+    radial_m: FloatArray
+    tangential_m: FloatArray
+    radial_m2: FloatArray
+    tangential_m2: FloatArray
+
+    @property
+    def distance_sq(self) -> FloatArray:
+        """Squared Mahalanobis distance (k, m, q)."""
+        return self.radial_m**2 / self.radial_m2 + self.tangential_m**2 / self.tangential_m2
+
+    def log_density(self, widening: float = 1.0) -> FloatArray:
+        """Return the logarithm of the normal density per m^2 (k, m, q), sigmas multiplied by ``widening``."""
+        log_det = np.log(self.radial_m2 * self.tangential_m2) + 4.0 * np.log(widening)
+        return -0.5 * (self.distance_sq / widening**2 + log_det) - np.log(2.0 * np.pi)
+
+
+def lay_over(field: Field, poses: Poses) -> Fit:
+    """Place the targets at every pose and measure their misfit to the nearest marks."""
+    scene = field.scene
+    turn = np.exp(1j * poses.heading_rad)[:, None]
+    world = poses.p[:, None] + turn * scene.rho[None, :]
+    _, mark = field.tree.query(np.stack([world.real, world.imag], axis=-1), k=field.neighbours)
+    mark = mark.reshape(len(poses), len(scene.rho), field.neighbours)
+    axis = turn * np.exp(1j * scene.bearing_rad)[None, :]
+    misfit = (scene.z[mark] - world[:, :, None]) * np.conj(axis)[:, :, None]
+    mark_m2 = scene.mark_sigma_m[mark] ** 2
+    return Fit(
+        mark,
+        misfit.real,
+        misfit.imag,
+        scene.range_sigma_m[None, :, None] ** 2 + mark_m2,
+        (scene.range_m * scene.bearing_sigma_rad)[None, :, None] ** 2 + mark_m2,
+    )
+
+
+def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0) -> FloatArray:
+    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (A5) of the theory."""
+    scene = field.scene
+    pd = level * field.detection(scene.range_m[None, :, None], scene.conspicuity[fit.mark])
+    return pd / (1.0 - pd) * np.exp(fit.log_density(widening)) / field.clutter_per_m2[None, :, None]
+
+
+def refine(field: Field, poses: Poses) -> tuple[Poses, FloatArray]:
+    """Run the annealed EM from every pose; return the poses and their information matrices (k, 3, 3)."""
+    information = np.zeros((len(poses), 3, 3))
+    for widening in field.model.annealing:
+        poses, information = em_step(field, poses, widening)
+    return poses, information
+
+
+def em_step(field: Field, poses: Poses, widening: float) -> tuple[Poses, FloatArray]:
+    """One E-step and one M-step at all poses (k); return them with the information matrices (k, 3, 3) of (p, h)."""
+    scene = field.scene
+    fit = lay_over(field, poses)
+    ratio = likelihood_ratio(field, fit, level=0.6, widening=widening)
+    responsibility = ratio / (0.4 + ratio.sum(axis=2, keepdims=True))  # M&S eq. 6
+    weight_radial = responsibility / fit.radial_m2
+    weight_tangential = responsibility / fit.tangential_m2
+    information, gradient = _normal_equations(scene, poses, fit, weight_radial, weight_tangential, widening)
+    step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
+    return Poses(poses.p + step[:, 0] + 1j * step[:, 1], poses.heading_rad + step[:, 2]), information
+
+
+def _normal_equations(
+    scene: Scene, poses: Poses, fit: Fit, weight_radial: FloatArray, weight_tangential: FloatArray, widening: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return A'WA (k, 3, 3) and A'Wl (k, 3) of the misfits, unknowns (north, east, heading).
+
+    In a target's axes a step of p moves it by the step turned into these axes, a step of h by r along the tangent.
+    A weak prior of ten cells keeps a pose without any match where it is.
+    """
+    azimuth = poses.heading_rad[:, None] + scene.bearing_rad[None, :]
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    radial, tangential = weight_radial.sum(axis=2), weight_tangential.sum(axis=2)
+    pull_radial = (weight_radial * fit.radial_m).sum(axis=2)
+    pull_tangential = (weight_tangential * fit.tangential_m).sum(axis=2)
+    r = scene.range_m[None, :]
+    information = np.empty((len(poses), 3, 3))
+    information[:, 0, 0] = (radial * cos**2 + tangential * sin**2).sum(axis=1)
+    information[:, 1, 1] = (radial * sin**2 + tangential * cos**2).sum(axis=1)
+    information[:, 2, 2] = (tangential * r**2).sum(axis=1)
+    information[:, 0, 1] = information[:, 1, 0] = ((radial - tangential) * sin * cos).sum(axis=1)
+    information[:, 0, 2] = information[:, 2, 0] = -(tangential * sin * r).sum(axis=1)
+    information[:, 1, 2] = information[:, 2, 1] = (tangential * cos * r).sum(axis=1)
+    gradient = np.stack(
+        [
+            (pull_radial * cos - pull_tangential * sin).sum(axis=1),
+            (pull_radial * sin + pull_tangential * cos).sum(axis=1),
+            (pull_tangential * r).sum(axis=1),
+        ],
+        axis=1,
+    )
+    information += np.diag([1.0 / 3000.0**2, 1.0 / 3000.0**2, 1.0 / 0.5**2])[None] * widening**2
+    return information, gradient
+
+
+def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
+    """Return echoes per m^2 about each target (m,), from the other targets: eq. (A4) of the theory.
+
+    Echoes come in clusters (anchorages, moorings). Half a uniform density plus half a leave-one-out kernel, and never
+    less than the uniform one.
+    """
+    count = len(scene.rho)
+    uniform = count / (np.pi * scene.radar_range_m**2)
+    apart_sq = np.abs(scene.rho[:, None] - scene.rho[None, :]) ** 2
+    kernel = np.exp(-0.5 * apart_sq / model.clutter_kernel_m**2) / (2.0 * np.pi * model.clutter_kernel_m**2)
+    np.fill_diagonal(kernel, 0.0)
+    return np.maximum(uniform, 0.5 * uniform + 0.5 * kernel.sum(axis=1))
+
+
+def inside(field: Field, poses: Poses) -> NDArray[np.bool_]:
+    """Tell which poses (k,) have any mark within radar range."""
+    nearest, _ = field.tree.query(np.column_stack([poses.p.real, poses.p.imag]))
+    within: NDArray[np.bool_] = nearest <= field.scene.radar_range_m
+    return within

@@ -1,0 +1,106 @@
+"""Step 5: the evidence of a pose against "every echo is clutter".
+
+Echoes are a Poisson clutter of local density c lambda and, for each mark in range, at most one echo with probability
+Pd_j. Summed over all ways to match (each mark at most one echo, each echo at most one mark) and divided by the same for
+clutter alone, the log likelihood ratio at clutter share c and detection level d is eq. (A6) of the theory:
+
+    ln Z = M (1 - c) + M ln c + sum_j ln(1 - Pd_j) + ln sum over matchings of prod w_ij / c.
+
+The sum over matchings is bounded by letting a mark serve two echoes and by letting an echo serve two marks; the lesser
+bound is taken. Clutter share and detection level are averaged over (a fixed share over-trusts few matches).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.association.em import Field, Fit, lay_over, likelihood_ratio
+from navfix.association.seeds import Poses
+from navfix.types import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """Poses with their evidence, best first.
+
+    ``log_ratio`` (k,) log likelihood ratio at the pose; ``score`` (k,) with the pose integrated over (Laplace);
+    ``evidence`` (k,) score less the logarithm of the searched volume: above 0 more likely than chance.
+    ``information`` (k, 3, 3); ``ships`` (k,) how many marks are matched with posterior above one half.
+    """
+
+    poses: Poses
+    information: FloatArray
+    log_ratio: FloatArray
+    score: FloatArray
+    evidence: FloatArray
+    ships: FloatArray
+
+
+def judge(field: Field, poses: Poses, information: FloatArray, log_volume: float) -> Judged:
+    """Score poses (k,) and sort them, best first."""
+    fit = lay_over(field, poses)
+    log_ratio = log_likelihood_ratio(field, poses, fit)
+    score = log_ratio + 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1]  # Laplace
+    order = np.argsort(-score, kind="stable")
+    evidence = score - log_volume
+    ships = _matched(field, fit)
+    return Judged(poses.take(order), information[order], log_ratio[order], score[order], evidence[order], ships[order])
+
+
+def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
+    """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (A6), (A7)."""
+    model = field.model
+    share = np.array(model.clutter_share)
+    targets = len(field.scene.rho)
+    terms = []
+    for level in model.detection_level:
+        ratio = likelihood_ratio(field, fit, level)
+        missed = _log_missed(field, poses, level)
+        by_target, by_mark = _matching_bounds(ratio, fit, share, len(field.scene.z))
+        matchings = np.minimum(by_target, by_mark)
+        terms.append(matchings + missed[:, None] + targets * (1.0 - share + np.log(share))[None, :])
+    stacked = np.concatenate(terms, axis=1)
+    top = stacked.max(axis=1)
+    mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
+    return mean
+
+
+def _matching_bounds(ratio: FloatArray, fit: Fit, share: FloatArray, marks: int) -> tuple[FloatArray, FloatArray]:
+    """Return two upper bounds (k, s) of ln sum over matchings of prod w_ij / c, for every clutter share (s,)."""
+    poses = len(ratio)
+    by_target = np.log1p(ratio.sum(axis=2)[:, :, None] / share).sum(axis=1)
+    flat = (np.arange(poses)[:, None, None] * marks + fit.mark).ravel()
+    claimed = np.bincount(flat, weights=ratio.ravel(), minlength=poses * marks).reshape(poses, marks)
+    by_mark = np.stack([np.log1p(claimed / s).sum(axis=1) for s in share], axis=1)
+    return by_target, by_mark
+
+
+def _log_missed(field: Field, poses: Poses, level: float) -> FloatArray:
+    """Return sum of ln(1 - Pd_j) (k,) over the marks within radar range: a mark without an echo speaks against a pose."""
+    scene = field.scene
+    distance_m = np.abs(scene.z[None, :] - poses.p[:, None])
+    pd = level * field.detection(distance_m, scene.conspicuity[None, :])
+    missed: FloatArray = np.where(distance_m <= scene.radar_range_m, np.log1p(-pd), 0.0).sum(axis=1)
+    return missed
+
+
+def _matched(field: Field, fit: Fit) -> FloatArray:
+    """Return how many distinct marks (k,) some target is more likely to be than clutter."""
+    ratio = likelihood_ratio(field, fit, level=0.6)
+    posterior = ratio / (0.4 + ratio.sum(axis=2, keepdims=True))
+    taken = (posterior > 0.5) & (fit.distance_sq < 11.8)
+    return np.array([len(np.unique(mark[row])) for mark, row in zip(fit.mark, taken, strict=True)], dtype=np.float64)
+
+
+def log_search_volume(field: Field) -> float:
+    """Return ln of the searched volume [m^2 rad]: the union of the radar discs about the marks, times all headings."""
+    radius_m = field.scene.radar_range_m
+    cell_m = radius_m / 6.0
+    offsets = np.arange(-6, 7) * cell_m
+    north, east = np.meshgrid(offsets, offsets)
+    disc = (north**2 + east**2 <= radius_m**2).ravel()
+    cells = field.scene.z[:, None] + (north.ravel() + 1j * east.ravel())[disc][None, :]
+    distinct = np.unique(np.round(cells / cell_m))
+    return float(np.log(len(distinct) * cell_m**2 * 2.0 * np.pi))

@@ -1,0 +1,55 @@
+"""Step 7: one-to-one pairs at the chosen pose, with a posterior probability for each."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from navfix.association.em import Field, lay_over, likelihood_ratio
+from navfix.association.seeds import Poses
+from navfix.types import FloatArray, IntArray
+
+GATE = 11.8  # chi-square, 2 degrees of freedom, 99.73 %
+
+
+def one_to_one(field: Field, pose: Poses) -> tuple[IntArray, FloatArray]:
+    """Return pairs (k, 2) of target and mark index at one pose (the likeliest assignment), and their posteriors (k,).
+
+    A target may stay without a mark: that costs the clutter's likelihood. The posterior of a pair is its share among
+    clutter and all marks near the target, and among all targets near the mark.
+    """
+    fit = lay_over(field, pose)
+    level, share = 0.6, _clutter_share(field, pose)
+    ratio = np.where(fit.distance_sq <= GATE, likelihood_ratio(field, fit, level), 0.0)[0] / share
+    dense = np.zeros((len(field.scene.rho), len(field.scene.z)))
+    np.put_along_axis(dense, fit.mark[0], ratio, axis=1)
+    marks = np.flatnonzero(dense.any(axis=0))
+    target, column = linear_sum_assignment(np.log1p(dense[:, marks]), maximize=True)
+    chosen = dense[target, marks[column]] > 1.0
+    target, mark = target[chosen], marks[column[chosen]]
+    posterior = association_marginals(dense[:, marks])[target, column[chosen]]
+    return np.column_stack([target, mark]), posterior
+
+
+def association_marginals(ratio: FloatArray, sweeps: int = 30) -> FloatArray:
+    """Return P(target i is mark j) (m, n) from likelihood ratios against clutter (m, n), by belief propagation.
+
+    Each echo at most one mark and each mark at most one echo: Williams & Lau (2014), eq. 27-29; it always converges.
+    """
+    from_mark = np.ones_like(ratio)
+    for _ in range(sweeps):
+        claimed = ratio * from_mark
+        from_target = ratio / (1.0 + claimed.sum(axis=1, keepdims=True) - claimed)
+        from_mark = 1.0 / (1.0 + from_target.sum(axis=0, keepdims=True) - from_target)
+    claimed = ratio * from_mark
+    marginals: FloatArray = claimed / (1.0 + claimed.sum(axis=1, keepdims=True))
+    return marginals
+
+
+def _clutter_share(field: Field, pose: Poses, sweeps: int = 10) -> float:
+    """Return the share of echoes that are clutter at this pose, by EM from one half."""
+    ratio = likelihood_ratio(field, lay_over(field, pose), 0.6).sum(axis=2)[0]
+    share = 0.5
+    for _ in range(sweeps):
+        share = float(np.clip(np.mean(share / (share + ratio)), 0.05, 0.95))
+    return share

@@ -1,0 +1,126 @@
+"""An epoch as arrays: radar targets and marks as complex numbers in one plane.
+
+A point (north, east) is the complex number north + 1j * east, so that its argument is the azimuth, clockwise from
+north. A target at range r and bearing b is rho = r exp(1j b); own ship at p with heading h sees it at
+world = p + exp(1j h) rho. Mirror images cannot be expressed, so no reflection can be found.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navfix.catalog import AssociationModel, RadarModel
+from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
+from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarget
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Targets (m of them) and marks (n of them) as arrays.
+
+    Attributes
+    ----------
+    origin : of the plane
+    rho (m,) : complex targets [m]; ``range_m``, ``bearing_rad``, ``range_sigma_m``, ``bearing_sigma_rad`` (m,)
+    z (n,) : complex marks [m]; ``mark_sigma_m`` (n,) per axis; ``conspicuity`` (n,) 0 .. 1
+    reference : "relative" or "true": what the bearings count from
+    target_index (m,), mark_index (n,) : places in the epoch's tuples
+    """
+
+    origin: Position
+    rho: ComplexArray
+    range_m: FloatArray
+    bearing_rad: FloatArray
+    range_sigma_m: FloatArray
+    bearing_sigma_rad: FloatArray
+    z: ComplexArray
+    mark_sigma_m: FloatArray
+    conspicuity: FloatArray
+    reference: str
+    target_index: IntArray
+    mark_index: IntArray
+
+    @cached_property
+    def radar_range_m(self) -> float:
+        """Radius of the area that the radar watched: a little beyond its farthest target."""
+        return float(self.range_m.max()) * 1.02
+
+    @cached_property
+    def mark_xy(self) -> FloatArray:
+        """Marks as (n, 2) for the KD-tree."""
+        return np.column_stack([self.z.real, self.z.imag])
+
+    def without_targets(self, kept: NDArray[np.bool_]) -> Scene:
+        """Return the scene with only the targets that are ``kept`` (m,)."""
+        return Scene(
+            self.origin, self.rho[kept], self.range_m[kept], self.bearing_rad[kept], self.range_sigma_m[kept],
+            self.bearing_sigma_rad[kept], self.z, self.mark_sigma_m, self.conspicuity, self.reference,
+            self.target_index[kept], self.mark_index,
+        )  # fmt: skip
+
+
+def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
+    """Turn an epoch into arrays about the middle of its marks.
+
+    Where relative and true bearings are mixed, the larger group is associated.
+    """
+    reference = _prevailing_reference(epoch.targets)
+    chosen = [i for i, target in enumerate(epoch.targets) if target.bearing_reference == reference]
+    targets = [epoch.targets[i] for i in chosen]
+    range_m = np.array([t.range_m for t in targets], dtype=np.float64)
+    bearing_rad = np.radians([t.bearing_deg for t in targets])
+    model_sigma_m = radar.sigma_of_range_m(range_m)
+    range_sigma_m = np.array([t.range_sigma_m or s for t, s in zip(targets, model_sigma_m, strict=True)])
+    bearing_sigma_rad = np.radians([t.bearing_sigma_deg or radar.bearing_sigma_deg for t in targets])
+    lat_deg = np.array([m.position.lat_deg for m in epoch.marks])
+    lon_deg = np.array([m.position.lon_deg for m in epoch.marks])
+    origin = _middle(lat_deg, lon_deg)
+    plane = cloud_to_plane(origin, lat_deg, lon_deg)
+    return Scene(
+        origin=origin,
+        rho=range_m * np.exp(1j * bearing_rad),
+        range_m=range_m,
+        bearing_rad=bearing_rad,
+        range_sigma_m=range_sigma_m,
+        bearing_sigma_rad=bearing_sigma_rad,
+        z=plane[:, 0] + 1j * plane[:, 1],
+        mark_sigma_m=np.array([m.sigma_m for m in epoch.marks]),
+        conspicuity=np.array([conspicuity(m, model) for m in epoch.marks]),
+        reference=reference,
+        target_index=np.array(chosen, dtype=np.int64),
+        mark_index=np.arange(len(epoch.marks)),
+    )
+
+
+def conspicuity(mark: Mark, model: AssociationModel) -> float:
+    """Return how likely a radar in range sees this mark, against the best target there is (1)."""
+    if mark.kind != "ship":
+        return model.conspicuity_aton
+    length_m = mark.hull.length_m if mark.hull is not None else None
+    if length_m is None or length_m <= 0.0:
+        return model.conspicuity_small if mark.ais_class == "B" else model.conspicuity_unknown
+    if length_m > model.long_m:
+        return model.conspicuity_long
+    return model.conspicuity_medium if length_m > model.medium_m else model.conspicuity_small
+
+
+def position_of(scene: Scene, p: complex) -> Position:
+    """Return the place of a complex number of the scene's plane."""
+    return LocalPlane(scene.origin).to_position(p.real, p.imag)
+
+
+def _prevailing_reference(targets: tuple[RadarTarget, ...]) -> str:
+    true = sum(t.bearing_reference == "true" for t in targets)
+    return "true" if true > len(targets) - true else "relative"
+
+
+def _middle(lat_deg: FloatArray, lon_deg: FloatArray) -> Position:
+    """Return the component-wise median place: a few positions from the other side of the world do not move it far."""
+    x, y, z = np.median(ecef(lat_deg, lon_deg), axis=0)
+    return Position(float(np.degrees(np.arctan2(z, np.hypot(x, y)))), float(np.degrees(np.arctan2(y, x))))

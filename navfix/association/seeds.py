@@ -1,0 +1,155 @@
+"""Steps 2 and 3: pairs of targets vote for poses through pairs of marks at the same distance.
+
+A radar pair (i, j) and a mark pair (a, b) of equal distance fix a pose: the heading turns rho_j - rho_i onto
+z_b - z_a, the position follows. Both orientations vote (i on a, j on b and the other way round); a mirror image cannot.
+Poses that many pairs vote for are the seeds of the EM.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from navfix.association.pair_index import PairIndex
+from navfix.association.scene import ComplexArray, Scene
+from navfix.catalog import AssociationModel
+from navfix.types import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """A batch of poses: ``p`` (k,) complex own positions [m], ``heading_rad`` (k,)."""
+
+    p: ComplexArray
+    heading_rad: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.p)
+
+    def take(self, rows: IntArray | NDArray[np.bool_]) -> Poses:
+        """Return the poses of ``rows``."""
+        return Poses(self.p[rows], self.heading_rad[rows])
+
+    @classmethod
+    def join(cls, *parts: Poses) -> Poses:
+        """Return all poses of several batches as one."""
+        return cls(np.concatenate([q.p for q in parts]), np.concatenate([q.heading_rad for q in parts]))
+
+
+@dataclass(frozen=True, eq=False)
+class RadarPairs:
+    """Pairs of targets (k,) in the order in which they vote, with the sigma of their distance and direction."""
+
+    first: IntArray
+    second: IntArray
+    distance_m: FloatArray
+    distance_sigma_m: FloatArray
+    direction_sigma_rad: FloatArray
+
+    def take(self, rows: slice) -> RadarPairs:
+        """Return a part of the pairs."""
+        return RadarPairs(
+            self.first[rows], self.second[rows], self.distance_m[rows],
+            self.distance_sigma_m[rows], self.direction_sigma_rad[rows],
+        )  # fmt: skip
+
+
+def radar_pairs(scene: Scene, index: PairIndex, model: AssociationModel) -> RadarPairs:
+    """Return all pairs of targets, those first that say most: accurate, and of a distance that few mark pairs have."""
+    i, j = np.triu_indices(len(scene.rho), 1)
+    line = scene.rho[j] - scene.rho[i]
+    distance_m = np.abs(line)
+    direction = np.where(distance_m > 0.0, line / np.maximum(distance_m, 1e-9), 1.0)
+    along_m2 = _variance_along(scene, i, direction) + _variance_along(scene, j, direction)
+    across_m2 = _variance_along(scene, i, 1j * direction) + _variance_along(scene, j, 1j * direction)
+    mark_m2 = 2.0 * float(np.median(scene.mark_sigma_m)) ** 2
+    distance_sigma_m = np.sqrt(along_m2 + mark_m2)
+    direction_sigma_rad = np.sqrt(across_m2 + mark_m2) / np.maximum(distance_m, 1.0)
+    low, high = index.window(distance_m, model.pair_gate_sigma * distance_sigma_m)
+    usable = (direction_sigma_rad < 0.35) & (high > low)
+    cost = (high - low + 1.0) * np.maximum(direction_sigma_rad, 0.25 * np.radians(model.cell_deg))
+    order = _spread(
+        i, j, np.argsort(np.where(usable, cost, np.inf), kind="stable")[: int(usable.sum())], len(scene.rho)
+    )
+    return RadarPairs(i[order], j[order], distance_m[order], distance_sigma_m[order], direction_sigma_rad[order])
+
+
+def seeds(scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel) -> Poses:
+    """Return the poses that most of the radar pairs vote for, at most ``model.seeds`` from each of two grids."""
+    p, heading_rad = votes(scene, index, pairs, model)
+    if len(p) == 0:
+        return Poses(np.empty(0, complex), np.empty(0))
+    return Poses.join(*(_fullest_cells(p, heading_rad, model, shift) for shift in (0.0, 0.5)))
+
+
+def votes(
+    scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel
+) -> tuple[ComplexArray, FloatArray]:
+    """Return position (v,) [m, complex] and heading (v,) [rad] of every vote."""
+    low, high = index.window(pairs.distance_m, model.pair_gate_sigma * pairs.distance_sigma_m)
+    count = high - low
+    allowed = np.cumsum(2 * count) <= model.votes_at_most
+    allowed[:1] = True
+    low, count = low[allowed], count[allowed]
+    pair = np.repeat(np.arange(len(count)), count)
+    entry = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)
+    z_a, z_b = scene.z[index.first[entry]], scene.z[index.second[entry]]
+    rho_i, rho_j = scene.rho[pairs.first[: len(count)]], scene.rho[pairs.second[: len(count)]]
+    turn = (z_b - z_a) * np.conj((rho_j - rho_i) / np.abs(rho_j - rho_i) ** 2)[pair]
+    turn /= np.abs(turn)
+    middle = 0.5 * (z_a + z_b)
+    lever = turn * (0.5 * (rho_i + rho_j))[pair]
+    p = np.concatenate([middle - lever, middle + lever])
+    return p, np.angle(np.concatenate([turn, -turn]))
+
+
+def _variance_along(scene: Scene, target: IntArray, direction: ComplexArray) -> FloatArray:
+    """Return the variance [m^2] of targets (k,) along unit vectors (k,): their polar covariance is a thin ellipse."""
+    local = direction * np.exp(-1j * scene.bearing_rad[target])
+    tangential_m = scene.range_m[target] * scene.bearing_sigma_rad[target]
+    variance_m2: FloatArray = (local.real * scene.range_sigma_m[target]) ** 2 + (local.imag * tangential_m) ** 2
+    return variance_m2
+
+
+def _spread(i: IntArray, j: IntArray, order: IntArray, targets: int) -> IntArray:
+    """Reorder so that every leading part uses each target about equally often: one wrong target must not fill it."""
+    taken = np.zeros(targets, dtype=np.int64)
+    rounds = np.empty(len(order), dtype=np.int64)
+    for place, k in enumerate(order):
+        rounds[place] = max(taken[i[k]], taken[j[k]])
+        taken[i[k]] += 1
+        taken[j[k]] += 1
+    per_round = max(2.0, 2.6 * 50 / max(targets, 1))
+    return order[np.argsort(rounds // per_round, kind="stable")]
+
+
+def _fullest_cells(p: ComplexArray, heading_rad: FloatArray, model: AssociationModel, shift: float) -> Poses:
+    """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell."""
+    headings = round(360.0 / model.cell_deg)
+    north = np.floor(p.real / model.cell_m + shift).astype(np.int64)
+    east = np.floor(p.imag / model.cell_m + shift).astype(np.int64)
+    turn = np.floor(heading_rad * (headings / (2.0 * np.pi)) + shift).astype(np.int64) % headings
+    bits = int(np.clip(np.ceil(np.log2(4 * len(p))), 10, 21))
+    key = (north * 73856093 ^ east * 19349663 ^ turn * 83492791) & 0x7FFFFFFFFFFF
+    bucket = (key ^ (key >> bits)) & ((1 << bits) - 1)
+    count = np.bincount(bucket, minlength=1 << bits)
+    best = np.argpartition(count, -model.seeds)[-model.seeds :] if len(count) > model.seeds else np.arange(len(count))
+    best = best[count[best] > 0]
+    rank = np.full(1 << bits, -1, dtype=np.int32)
+    rank[best] = np.arange(len(best))
+    member = np.flatnonzero(rank[bucket] >= 0)
+    return _cell_means(p[member], heading_rad[member], rank[bucket[member]], np.stack([north, east, turn])[:, member])
+
+
+def _cell_means(p: ComplexArray, heading_rad: FloatArray, bucket: IntArray, cell: IntArray) -> Poses:
+    """Return the mean pose of each true cell among the members of the fullest buckets (two cells may share one)."""
+    order = np.lexsort((cell[2], cell[1], cell[0], bucket))
+    steps = np.any(np.diff(np.vstack([bucket, cell])[:, order], axis=1) != 0, axis=0)
+    starts = np.flatnonzero(np.concatenate([[True], steps]))
+    size = np.diff(np.concatenate([starts, [len(order)]]))
+    top = np.argsort(-size, kind="stable")[: int(bucket.max()) + 1]
+    mean_p = np.add.reduceat(p[order], starts) / size
+    mean_turn = np.add.reduceat(np.exp(1j * heading_rad[order]), starts)
+    return Poses(mean_p[top], np.angle(mean_turn[top]))
