@@ -47,7 +47,9 @@ class Answer:
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):
-            raise InputError("an answer is either a fix or the error that says why there is none: give exactly one of them")
+            raise InputError(
+                "an answer is either a fix or the error that says why there is none: give exactly one of them"
+            )
         object.__setattr__(self, "notes", tuple(self.notes))
 
     @property

@@ -1,0 +1,279 @@
+"""The fix as JSON, schema ``navfix.fix/1``: the same keys for a fix and for no fix, null where nothing can be said."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from navfix.errors import Ambiguous, NoAgreement, NoFix
+from navfix.geodesy import inverse
+from navfix.report.answer import Answer, Truth
+from navfix.report.numbers import degrees, iso_utc, plain, plain_matrix
+from navfix.types import (
+    AdjustedObservation,
+    Alternative,
+    Association,
+    Ellipse,
+    Epoch,
+    Fix,
+    GlobalTest,
+    GnssVerdict,
+    Integrity,
+    MeanFix,
+    PlanePosition,
+    Position,
+)
+
+SCHEMA = "navfix.fix/1"
+STEPS = ("epoch", "associate", "adjust")
+ELLIPSE_PROBABILITIES = (0.95, 0.99)
+
+_FIX_KEYS = (
+    "position", "heading_deg", "heading_reference", "covariance", "cofactor_matrix", "covariance_scaling", "ellipses",
+    "sigma0", "redundancy", "kernel", "global_test", "observations", "pairs", "unmatched_targets", "unmatched_marks",
+    "ambiguity", "integrity",
+)  # fmt: skip
+
+
+def answer_to_dict(answer: Answer) -> dict[str, Any]:
+    """Return the object ``navfix.fix/1`` of an answer: plain numbers, strings, lists and None only.
+
+    Beyond the keys of every fix it carries ``truth`` (null without a truth file), ``targets`` and ``marks`` (how many
+    the epoch holds) and ``notes``.
+    """
+    body = no_fix_to_dict(answer.error) if answer.fix is None else fix_to_dict(answer.fix)
+    return body | {
+        "time_utc": iso_utc(answer.time_utc),
+        "gnss": gnss_to_dict(answer.gnss),
+        "plain_mean": plain_mean_to_dict(answer.plain_mean, answer.fix),
+        "timing_ms": {step: plain(answer.timing_ms.get(step), 6) for step in (*STEPS, *answer.timing_ms)},
+        "truth": truth_to_dict(answer.truth),
+        "targets": None if answer.epoch is None else len(answer.epoch.targets),
+        "marks": None if answer.epoch is None else len(answer.epoch.marks),
+        "notes": [*body["notes"], *answer.notes],
+    }
+
+
+def to_json_line(content: Mapping[str, Any]) -> str:
+    """Return one object as one line of JSON without a line feed.
+
+    Raises
+    ------
+    ValueError : NaN or Infinity in it, which JSON does not know
+    """
+    return json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def fix_to_dict(fix: Fix) -> dict[str, Any]:
+    """Return the object ``navfix.fix/1`` of a fix alone; what stands beside a fix (GNSS, plain mean, times) is null.
+
+    The position is ``{"north_m", "east_m"}`` for a fix in a plane frame.
+    """
+    used = len({(o.target, o.mark) for o in fix.observations})
+    epoch, association = fix.epoch, fix.association
+    return _head("fix", None, f"fix from {len(fix.observations)} observations of {used} pairs") | {
+        "time_utc": None if epoch is None else iso_utc(epoch.time_utc),
+        "position": position_to_dict(fix.position),
+        "heading_deg": plain(fix.heading_deg),
+        "heading_reference": None if fix.heading_deg is None else fix.heading_reference,
+        "covariance": plain_matrix(fix.covariance),
+        "cofactor_matrix": plain_matrix(fix.cofactor_matrix),
+        "covariance_scaling": fix.covariance_scaling,
+        "ellipses": [ellipse_to_dict(fix.ellipse(probability)) for probability in ELLIPSE_PROBABILITIES],
+        "sigma0": plain(fix.sigma0),
+        "redundancy": int(fix.redundancy),
+        "kernel": fix.kernel,
+        "global_test": global_test_to_dict(fix.global_test),
+        "observations": [observation_to_dict(observation) for observation in fix.observations],
+        **_pairing(epoch, association),
+        "ambiguity": ambiguity_to_dict(association, fix.alternatives),
+        "integrity": integrity_to_dict(fix.integrity),
+        "notes": [*(() if association is None else association.notes), *fix.notes],
+    }
+
+
+def no_fix_to_dict(error: NoFix | None) -> dict[str, Any]:
+    """Return the same keys as `fix_to_dict` with the reason, and null where nothing can be said."""
+    reason, message = ("no_fix", "") if error is None else (error.reason, str(error))
+    return (
+        _head("no_fix", reason, message) | dict.fromkeys(_FIX_KEYS) | {"ambiguity": _ambiguity_of(error), "notes": []}
+    )
+
+
+def _head(status: str, reason: str | None, message: str) -> dict[str, Any]:
+    return (
+        {"schema": SCHEMA, "status": status, "reason": reason, "message": message, "time_utc": None}
+        | dict.fromkeys((*_FIX_KEYS, "gnss", "plain_mean"))
+        | {"timing_ms": dict.fromkeys(STEPS)}
+    )
+
+
+# ------------------------------------------------------------------------------------------------ one object each
+
+
+def position_to_dict(position: Position | PlanePosition) -> dict[str, float | None]:
+    """Return {"lat_deg", "lon_deg"}, or {"north_m", "east_m"} for a place in a plane frame."""
+    if isinstance(position, PlanePosition):
+        return {"north_m": plain(position.north_m, 12), "east_m": plain(position.east_m, 12)}
+    return {"lat_deg": degrees(position.lat_deg), "lon_deg": degrees(position.lon_deg)}
+
+
+def ellipse_to_dict(ellipse: Ellipse) -> dict[str, float | None]:
+    """Return probability, semi axes [m] and azimuth [deg] of an ellipse."""
+    return {
+        "probability": plain(ellipse.probability),
+        "semi_major_m": plain(ellipse.semi_major_m),
+        "semi_minor_m": plain(ellipse.semi_minor_m),
+        "azimuth_deg": plain(ellipse.azimuth_deg),
+    }
+
+
+def observation_to_dict(observation: AdjustedObservation) -> dict[str, Any]:
+    """Return one adjusted observation with its unit."""
+    return {
+        "target": observation.target,
+        "mark": observation.mark,
+        "kind": observation.kind,
+        "unit": observation.unit,
+        "observed": plain(observation.observed, 12),
+        "adjusted": plain(observation.adjusted, 12),
+        "residual": plain(observation.residual),
+        "sigma": plain(observation.sigma),
+        "standardized": plain(observation.standardized),
+        "redundancy_number": plain(observation.redundancy_number),
+        "weight": plain(observation.weight),
+        "mdb": plain(observation.mdb),
+    }
+
+
+def global_test_to_dict(test: GlobalTest | None) -> dict[str, Any] | None:
+    """Return the chi-square test of the whole, None without one."""
+    if test is None:
+        return None
+    return {
+        "statistic": plain(test.statistic),
+        "dof": plain(test.dof),
+        "threshold": plain(test.threshold),
+        "passed": bool(test.passed),
+    }
+
+
+def integrity_to_dict(integrity: Integrity | None) -> dict[str, Any] | None:
+    """Return R95 and the protection level with its probabilities, None without them."""
+    if integrity is None:
+        return None
+    return {
+        "r95_m": plain(integrity.r95_m),
+        "protection_level_m": plain(integrity.protection_level_m),
+        "probability_of_false_alarm": plain(integrity.probability_of_false_alarm),
+        "probability_of_missed_detection": plain(integrity.probability_of_missed_detection),
+    }
+
+
+def _pairing(epoch: Epoch | None, association: Association | None) -> dict[str, Any]:
+    """Return pairs, unmatched targets (labels) and the number of unmatched marks; None without an association."""
+    if epoch is None or association is None:
+        return {"pairs": None, "unmatched_targets": None, "unmatched_marks": None}
+    matched = {int(target) for target in association.pairs[:, 0]}
+    return {
+        "pairs": [
+            {
+                "target": epoch.targets[target].label,
+                "mark": epoch.marks[mark].label,
+                "probability": plain(float(probability), 6),
+            }
+            for (target, mark), probability in zip(association.pairs, association.probability, strict=True)
+        ],
+        "unmatched_targets": [target.label for i, target in enumerate(epoch.targets) if i not in matched],
+        "unmatched_marks": len(epoch.marks) - len(association.pairs),
+    }
+
+
+def ambiguity_to_dict(association: Association | None, alternatives: Sequence[Alternative] = ()) -> dict[str, Any]:
+    """Return evidence, margin, probability of another place, and the other places of association and adjustment."""
+    if association is None:
+        return _ambiguity(None, None, None, alternatives)
+    second = association.second_group
+    content = _ambiguity(
+        association.evidence,
+        association.margin,
+        association.probability_wrong,
+        (*association.alternatives, *(a for a in alternatives if a not in association.alternatives)),
+    )
+    if second is not None:
+        content["second_group"] = {
+            "offset_m": plain(second.offset_m),
+            "azimuth_deg": plain(second.azimuth_deg),
+            "targets": list(second.targets),
+        }
+    return content
+
+
+def _ambiguity_of(error: NoFix | None) -> dict[str, Any] | None:
+    if isinstance(error, NoAgreement):
+        return _ambiguity(error.evidence, None, None, error.alternatives)
+    if isinstance(error, Ambiguous):
+        return _ambiguity(None, None, None, error.alternatives)
+    return None
+
+
+def _ambiguity(
+    evidence: float | None, margin: float | None, wrong: float | None, alternatives: Sequence[Alternative]
+) -> dict[str, Any]:
+    return {
+        "evidence": plain(evidence, 6),
+        "margin": plain(margin, 6),
+        "probability_wrong": plain(wrong, 6),
+        "alternatives": [
+            {
+                "position": position_to_dict(other.position),
+                "heading_deg": plain(other.heading_deg),
+                "score": plain(other.score, 6),
+                "pairs": other.pairs or None,
+            }
+            for other in alternatives
+        ],
+        "second_group": None,
+    }
+
+
+def gnss_to_dict(gnss: GnssVerdict | None) -> dict[str, Any] | None:
+    """Return the verdict on the GNSS of the log, None where none was asked for."""
+    if gnss is None:
+        return None
+    return {
+        "position": position_to_dict(gnss.position),
+        "distance_m": plain(gnss.distance_m),
+        "verdict": gnss.verdict,
+        "threshold_m": plain(gnss.threshold_m),
+        "smallest_detectable_m": plain(gnss.smallest_detectable_m),
+        "reasons": list(gnss.reasons),
+    }
+
+
+def plain_mean_to_dict(mean: MeanFix | None, fix: Fix | None) -> dict[str, Any] | None:
+    """Return the plain-mean fix, its distance from the fix (None without one) and the 95 % ellipse of its spread."""
+    if mean is None:
+        return None
+    ellipse = mean.ellipse()
+    distance_m = inverse(fix.position, mean.position)[0] if fix and isinstance(fix.position, Position) else None
+    return {
+        "position": position_to_dict(mean.position),
+        "distance_m": plain(distance_m),
+        "ellipse": None if ellipse is None else ellipse_to_dict(ellipse),
+        "heading_deg": plain(mean.heading_deg),
+        "used": int(mean.used.sum()),
+    }
+
+
+def truth_to_dict(truth: Truth | None) -> dict[str, Any] | None:
+    """Return the errors of the fix against the truth, None without a truth."""
+    if truth is None:
+        return None
+    return {
+        "distance_m": plain(truth.error_m),
+        "heading_error_deg": plain(truth.heading_error_deg),
+        "position": position_to_dict(truth.position),
+        "heading_deg": plain(truth.heading_deg),
+    }

@@ -1,0 +1,310 @@
+"""The report that a navigator reads: what is needed first stands first, the residuals below; 100 columns, no colour."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+
+from scipy.special import stdtrit
+
+from navfix.errors import NoFix
+from navfix.geodesy import inverse
+from navfix.report import words
+from navfix.report.answer import Answer
+from navfix.report.rows import PairRow, pair_rows, unmatched_indices
+from navfix.report.tables import residual_table
+from navfix.types import Alternative, Epoch, Fix, GnssVerdict, MeanFix, PlanePosition, Position, RadarTarget
+from navfix.units import NM_M
+
+WIDTH = 100
+_LABEL = 16
+_LISTED = 10  # places and targets listed in full before the rest is only counted
+_GNSS_WORDS = {"ok": "OK", "caution": "CAUTION", "unsafe": "UNSAFE", "not_available": "NOT AVAILABLE"}
+
+
+def report_text(answer: Answer) -> str:
+    """Return the whole report, at most 100 columns wide, ending in a line feed."""
+    lines = fix_lines(answer, answer.fix) if answer.fix is not None else no_fix_lines(answer)
+    return "\n".join(line.rstrip() for line in lines) + "\n"
+
+
+# ------------------------------------------------------------------------------------------------------------- a fix
+
+
+def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
+    """Yield the lines of a report with a fix."""
+    rows = pair_rows(fix)
+    yield _title("FIX", answer, _counts(answer.epoch, len(rows)))
+    yield ""
+    yield from _pose(fix)
+    yield from _certainty(fix)
+    yield from _beside(answer, fix)
+    yield from _named_outliers(fix, rows)
+    yield ""
+    yield from _quality(fix)
+    yield ""
+    yield from residual_table(rows, heading_known=fix.heading_deg is not None)
+    yield from _unmatched(fix)
+    yield from _notes(answer, fix)
+
+
+def _pose(fix: Fix) -> Iterator[str]:
+    yield from _entry("Position", words.place(fix.position))
+    if isinstance(fix.position, Position):
+        yield from _entry("", f"{fix.position.lat_deg:.8f}   {fix.position.lon_deg:.8f}")
+    if fix.heading_deg is not None:
+        yield from _entry("Heading", f"{words.bearing(fix.heading_deg)}{_heading_spread(fix)}   {_reference(fix)}")
+    ellipse = fix.ellipse(0.95)
+    axis = ellipse.azimuth_deg % 180.0
+    yield from _entry(
+        "Ellipse 95 %",
+        f"{_metres(ellipse.semi_major_m)} x {_metres(ellipse.semi_minor_m)} (semi axes), "
+        f"the longer along {words.direction(axis)} - {words.direction(axis + 180.0)}",
+    )
+    if fix.integrity is not None:
+        level = fix.integrity.protection_level_m
+        beyond = "" if level is None else f"   protection level {_metres(level)}{_false_alarm(fix)}"
+        yield from _entry("R95", _metres(fix.integrity.r95_m) + beyond)
+
+
+def _heading_spread(fix: Fix) -> str:
+    if len(fix.covariance) < 3:
+        return ""
+    dof = fix.dof if fix.covariance_scaling == "a_posteriori" and math.isfinite(fix.dof) else None
+    quantile = 1.959964 if dof is None else float(stdtrit(dof, 0.975))
+    return f" +- {math.degrees(math.sqrt(fix.covariance[2, 2])) * quantile:.2f}° (95 %)"
+
+
+def _reference(fix: Fix) -> str:
+    return "of the bow" if fix.heading_reference == "bow" else "of the radar's zero mark"
+
+
+def _false_alarm(fix: Fix) -> str:
+    assert fix.integrity is not None
+    alarm, missed = fix.integrity.probability_of_false_alarm, fix.integrity.probability_of_missed_detection
+    if alarm is None or missed is None:
+        return ""
+    return f" (false alarm {alarm:.0e}, missed detection {missed:.0e})"
+
+
+def _certainty(fix: Fix) -> Iterator[str]:
+    found = fix.association
+    others = (*(() if found is None else found.alternatives), *fix.alternatives)
+    if found is not None and found.probability_wrong is not None:
+        margin = "" if found.margin is None else f" (evidence {found.evidence or 0.0:.1f}, margin {found.margin:.1f})"
+        odds = words.odds(found.probability_wrong)
+        yield from _entry("How sure", f"{odds} that this is another place{margin}")
+    elif found is not None and found.method == "by_hand":
+        yield from _entry("How sure", "the pairs were given by hand: another place was not looked for")
+    if others:
+        yield from _entry("Other places", "less likely, the best first:")
+        yield from _alternatives(others, fix.position)
+    if found is not None and found.second_group is not None:
+        group = found.second_group
+        yield from _entry(
+            "Second group",
+            f"{words.plural(len(group.targets), 'target')} ({', '.join(group.targets)}) agree on AIS positions shifted "
+            f"by {words.distance(group.offset_m)} along {words.direction(group.azimuth_deg)}: AIS there may be spoofed",
+        )
+
+
+def _beside(answer: Answer, fix: Fix) -> Iterator[str]:
+    if answer.plain_mean is not None:
+        yield from _entry("Plain mean", _plain_mean(answer.plain_mean, fix))
+    if answer.gnss is not None or answer.epoch is not None:
+        yield from _gnss(answer.gnss)
+    truth = answer.truth
+    if truth is not None:
+        error = "" if truth.error_m is None else f"the fix is {words.distance(truth.error_m)} off"
+        turned = truth.heading_error_deg
+        heading = "" if turned is None else f", its heading {turned:+.2f}°"
+        yield from _entry("Truth", f"{words.place(truth.position)}   {error}{heading}")
+
+
+def _plain_mean(mean: MeanFix, fix: Fix) -> str:
+    apart = ""
+    if isinstance(fix.position, Position):
+        distance_m, azimuth_deg = inverse(fix.position, mean.position)
+        apart = f"   {words.distance(distance_m)} from the fix along {words.direction(azimuth_deg)}"
+    return f"{words.place(mean.position)}{apart}   (mean of {int(mean.used.sum())} of {len(mean.used)})"
+
+
+def _gnss(gnss: GnssVerdict | None) -> Iterator[str]:
+    if gnss is None:
+        yield from _entry("GNSS", "none in the data to compare with")
+        return
+    if gnss.verdict == "not_available":
+        yield from _entry("GNSS", "; ".join(("NOT AVAILABLE", *gnss.reasons)))
+        return
+    yield from _entry(
+        "GNSS",
+        f"{_GNSS_WORDS[gnss.verdict]}: {words.distance(gnss.distance_m)} from the fix "
+        f"(limit {_metres(gnss.threshold_m)}, smallest error that would be seen {_metres(gnss.smallest_detectable_m)})",
+    )
+    for reason in gnss.reasons:
+        yield from _entry("", f"- {reason}")
+
+
+def _named_outliers(fix: Fix, rows: Sequence[PairRow]) -> Iterator[str]:
+    outliers = [row for row in rows if row.outlier]
+    if not outliers:
+        return
+    yield ""
+    title = "SUSPECT: " if fix.kernel == "none" else "OUTLIER: "
+    for row in outliers[: 2 * _LISTED]:
+        yield from _wrapped(title + outlier_words(row), indent=len(title))
+    if len(outliers) > 2 * _LISTED:
+        yield f"and {len(outliers) - 2 * _LISTED} more, marked * in the table"
+
+
+def outlier_words(row: PairRow) -> str:
+    """Return a sentence that names an outlier: who, how far, in which direction."""
+    mmsi = row.mark.mmsi if row.mark is not None else None
+    who = f"{row.name} ({mmsi})" if mmsi is not None and row.name != str(mmsi) else row.name
+    pair = f"target {row.target} / {who}" if row.target else who
+    said = "charted" if row.mark is not None and row.mark.kind == "charted" else "AIS"
+    if row.mark is None:
+        said = "given"
+    if row.offset_m is not None and row.offset_azimuth_deg is not None:
+        metres = _two_digits(row.offset_m)
+        return f"{pair}: {said} position about {metres} off along {words.direction(row.offset_azimuth_deg)}"
+    if row.range is not None:
+        side = "longer" if row.range.residual < 0.0 else "shorter"
+        return f"{pair}: range {_metres(abs(row.range.residual))} {side} than to the {said} position"
+    assert row.bearing is not None
+    side = "right" if row.bearing.residual < 0.0 else "left"
+    return f"{pair}: bearing {abs(row.bearing.residual):.2f}° to the {side} of the {said} position"
+
+
+def _quality(fix: Fix) -> Iterator[str]:
+    scaling = "from the residuals" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
+    yield f"sigma0 {fix.sigma0:.3f}   redundancy {fix.redundancy}   kernel {fix.kernel}   covariance {scaling}"
+    test = fix.global_test
+    if test is not None:
+        word = "passed" if test.passed else "FAILED: the sigmas are too small or errors remain"
+        limit = f"limit {test.threshold:.1f} at {test.dof:.1f} degrees of freedom"
+        yield f"global test: {test.statistic:.1f}, {limit}: {word}"
+
+
+def _unmatched(fix: Fix) -> Iterator[str]:
+    if fix.epoch is None or fix.association is None:
+        return
+    alone = [fix.epoch.targets[index] for index in unmatched_indices(fix)]
+    if alone:
+        yield ""
+        yield from _target_list(f"Targets without a mark ({len(alone)}):", alone)
+    yield ""
+    yield f"Marks without a target: {len(fix.epoch.marks) - len(fix.association.pairs)}"
+
+
+def _target_list(title: str, targets: Sequence[RadarTarget]) -> Iterator[str]:
+    """Yield the targets side by side; a line never breaks inside one of them."""
+    tied = ", ".join(_target(target).replace(" ", "\u00a0") for target in targets)
+    yield from (line.replace("\u00a0", " ") for line in _wrapped(f"{title} {tied}", indent=2))
+
+
+def _target(target: RadarTarget) -> str:
+    reference = "T" if target.bearing_reference == "true" else "R"
+    return f"{target.label} at {target.range_m / NM_M:.2f} NM {words.bearing(target.bearing_deg)} {reference}"
+
+
+# ------------------------------------------------------------------------------------------------------------ no fix
+
+
+def no_fix_lines(answer: Answer) -> Iterator[str]:
+    """Yield the lines of a report without a fix: why, what else fits, what was seen, what would help."""
+    error = answer.error
+    assert error is not None
+    yield _title("NO FIX", answer, _counts(answer.epoch, None))
+    yield ""
+    yield from _entry("Because", words.REASONS.get(error.reason, error.reason.replace("_", " ")))
+    yield from _entry("", str(error))
+    yield from _entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
+    yield from _evidence(error)
+    if answer.gnss is not None:
+        yield from _gnss(answer.gnss)
+    elif answer.epoch is not None and answer.epoch.gnss is not None:
+        yield from _entry("GNSS", "present, but without a fix there is nothing to compare it with")
+    if answer.truth is not None:
+        yield from _entry("Truth", words.place(answer.truth.position))
+    if answer.epoch is not None and answer.epoch.targets:
+        yield ""
+        yield from _target_list("Targets:", answer.epoch.targets)
+    yield from _notes(answer, None)
+
+
+def _evidence(error: NoFix) -> Iterator[str]:
+    places: Sequence[Alternative] = getattr(error, "alternatives", ())
+    evidence: float | None = getattr(error, "evidence", None)
+    if evidence is not None:
+        yield from _entry("Evidence", f"{evidence:.1f} for the best place found")
+    if places:
+        fit = "places fit" if error.reason == "ambiguous" else "places were tried"
+        yield from _entry("Places", f"{len(places)} {fit}; the best first:")
+        yield from _alternatives(places, places[0].position)
+
+
+# ------------------------------------------------------------------------------------------------------------- parts
+
+
+def _alternatives(places: Sequence[Alternative], centre: Position | PlanePosition) -> Iterator[str]:
+    """Yield the first places with their distance from ``centre`` and count the rest."""
+    for place in places[:_LISTED]:
+        heading = "" if place.heading_deg is None else f"   heading {words.bearing(place.heading_deg)}"
+        apart = ""
+        if isinstance(place.position, Position) and isinstance(centre, Position):
+            distance_m, azimuth_deg = inverse(centre, place.position)
+            if distance_m > 0.5:
+                apart = f"   {words.short_distance(distance_m)} along {words.direction(azimuth_deg)}"
+        yield from _entry("", f"{words.place(place.position)}{heading}   score {place.score:.1f}{apart}")
+    if len(places) > _LISTED:
+        yield from _entry("", f"and {len(places) - _LISTED} more (all of them stand in the JSON)")
+
+
+def _notes(answer: Answer, fix: Fix | None) -> Iterator[str]:
+    found = None if fix is None else fix.association
+    notes = [*(() if found is None else found.notes), *(() if fix is None else fix.notes), *answer.notes]
+    if notes:
+        yield ""
+    for note in notes:
+        yield from _wrapped(f"Note: {note}", indent=6)
+    spent = "   ".join(f"{step} {spent_ms:.1f} ms" for step, spent_ms in answer.timing_ms.items())
+    if spent:
+        yield ""
+        yield from _wrapped(f"Computed in: {spent}", indent=2)
+
+
+def _title(verdict: str, answer: Answer, counts: str) -> str:
+    return f"{verdict:<{_LABEL}}{words.utc(answer.time_utc):<28}{counts}"
+
+
+def _counts(epoch: Epoch | None, pairs: int | None) -> str:
+    seen = (
+        ""
+        if epoch is None
+        else f"{words.plural(len(epoch.targets), 'target')}, {words.plural(len(epoch.marks), 'mark')}"
+    )
+    matched = "" if pairs is None else words.plural(pairs, "pair")
+    return ", ".join(part for part in (seen, matched) if part)
+
+
+def _entry(label: str, text: str) -> Iterator[str]:
+    yield from _wrapped(f"{label:<{_LABEL}}{text}", indent=_LABEL)
+
+
+def _wrapped(text: str, *, indent: int) -> Iterable[str]:
+    if len(text) <= WIDTH:
+        return [text]
+    return textwrap.wrap(text, WIDTH, subsequent_indent=" " * indent, break_long_words=True, replace_whitespace=False)
+
+
+def _metres(metres: float) -> str:
+    return f"{metres:.3f} m" if metres < 1.0 else (f"{metres:.1f} m" if metres < 100.0 else f"{metres:.0f} m")
+
+
+def _two_digits(metres: float) -> str:
+    """Return a distance with two digits, as an "about" deserves."""
+    if metres < 10.0:
+        return f"{metres:.1f} m"
+    return words.distance(round(metres, 1 - math.floor(math.log10(metres))))
