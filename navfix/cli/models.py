@@ -11,6 +11,7 @@ from typing import Any
 from navfix.cli import options
 from navfix.cli.errors import OK
 
+SUFFIXES = (".txt", ".json")
 Entry = tuple[str, str, dict[str, Any]]  # kind, name, table
 
 
@@ -18,7 +19,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     """Add the command to the parser."""
     parser = subparsers.add_parser("models", help="what is in the catalogue, with sources", description=__doc__)
     parser.add_argument("name", metavar="NAME", nargs="?", help="one model (imo), one kind (radar) or both (radar/imo)")
-    options.add_output(parser)
+    options.add_output(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
 

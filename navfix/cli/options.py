@@ -10,6 +10,7 @@ import argparse
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,11 +63,13 @@ def instant(text: str) -> datetime:
     return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
 
 
-def output_file(text: str) -> Path:
-    """Return a path to write to: a known suffix, in a folder that exists."""
+def output_file(text: str, suffixes: Sequence[str] = OUT_SUFFIXES) -> Path:
+    """Return a path to write to: a suffix that the command can write, in a folder that exists."""
     path = Path(text)
-    if path.suffix.lower() not in OUT_SUFFIXES:
-        raise argparse.ArgumentTypeError(f"{text}: the suffix chooses the format; known are {' '.join(OUT_SUFFIXES)}")
+    if path.suffix.lower() not in suffixes:
+        raise argparse.ArgumentTypeError(
+            f"{text}: the suffix chooses the format; here it is one of {' '.join(suffixes)}"
+        )
     if path.is_dir():
         raise argparse.ArgumentTypeError(f"{text}: is a directory")
     if not path.parent.is_dir():
@@ -159,22 +162,22 @@ def add_outlines(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--outlines", metavar="FILE", type=Path, help="echo outlines beside the log, JSON lines")
 
 
-def add_out(parser: argparse.ArgumentParser) -> None:
-    """Add --out."""
+def add_out(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+    """Add --out for the formats that the command can write."""
     parser.add_argument(
         "--out",
         metavar="FILE",
         action="append",
         default=[],
-        type=output_file,
-        help=f"also write FILE (repeatable); the suffix chooses the format: {' '.join(OUT_SUFFIXES)}",
+        type=partial(output_file, suffixes=suffixes),
+        help=f"also write FILE (repeatable); the suffix chooses the format: {' '.join(suffixes)}",
     )
 
 
-def add_output(parser: argparse.ArgumentParser) -> None:
-    """Add --json and --out."""
+def add_output(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+    """Add --json and --out for the formats that the command can write."""
     parser.add_argument("--json", action="store_true", help="print JSON in place of the text")
-    add_out(parser)
+    add_out(parser, suffixes)
 
 
 # ------------------------------------------------------------------------------------- what the arguments stand for
@@ -236,11 +239,8 @@ def write_outputs(paths: Sequence[Path], writers: Mapping[str, Callable[[], str]
 
     Raises
     ------
-    CommandError : this command has no writer for a suffix (before anything is written), or a file cannot be written
+    CommandError : a file cannot be written
     """
-    for path in paths:
-        if path.suffix.lower() not in writers:
-            raise CommandError(f"--out {path}: this command cannot write {path.suffix}; it writes {' '.join(writers)}")
     for path in paths:
         text = writers[path.suffix.lower()]()
         try:

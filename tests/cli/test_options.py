@@ -1,0 +1,134 @@
+"""The options that commands share: their values, and inputs that are never overwritten."""
+
+from __future__ import annotations
+
+import argparse
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from navfix.catalog import radar_model
+from navfix.cli import options
+from navfix.cli.errors import CommandError
+from navfix.errors import CatalogError
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    options.add_log(parser)
+    options.add_estimation(parser)
+    options.add_evidence(parser)
+    options.add_at(parser)
+    options.add_window(parser)
+    options.add_independent(parser)
+    options.add_truth(parser)
+    options.add_outlines(parser)
+    options.add_output(parser)
+    return parser
+
+
+def _parse(*argv: str) -> argparse.Namespace:
+    return _parser().parse_args(["log.nmea", *argv])
+
+
+def test_defaults_are_those_of_the_library() -> None:
+    args = _parse()
+    assert (args.kernel, args.radar, args.heading_from) == ("hampel", "imo", "auto")
+    assert (args.at, args.window, args.truth, args.outlines) == (None, None, None, None)
+    assert (args.chart, args.out) == ([], [])
+    assert (args.no_prior, args.independent, args.json) == (False, False, False)
+
+
+@pytest.mark.parametrize(
+    ("text", "time"),
+    [
+        ("2026-01-01T12:00:00Z", datetime(2026, 1, 1, 12, tzinfo=UTC)),
+        ("2026-01-01T12:00:00", datetime(2026, 1, 1, 12, tzinfo=UTC)),
+        ("2026-01-01T12:00:00.250+02:00", datetime(2026, 1, 1, 10, 0, 0, 250000, tzinfo=UTC)),
+    ],
+)
+def test_at_is_utc_whatever_zone_it_is_given_in(text: str, time: datetime) -> None:
+    assert _parse("--at", text).at == time
+    assert _parse("--at", text).at.utcoffset().total_seconds() == 0.0
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ["--at", "noon"],
+        ["--range-sigma", "0"],
+        ["--bearing-sigma", "-1"],
+        ["--bearing-sigma", "nan"],
+        ["--range-sigma", "inf"],
+        ["--window", "abc"],
+        ["--heading-from", "magic"],
+        ["--out", "fix.bmp"],
+        ["--out", "no/such/folder/fix.svg"],
+    ],
+)
+def test_a_value_that_cannot_be_right_is_refused(argv: list[str]) -> None:
+    with pytest.raises(argparse.ArgumentError):
+        _parse(*argv)
+
+
+def test_a_radar_sigma_replaces_the_one_of_the_model() -> None:
+    imo = radar_model("imo")
+    assert options.radar(_parse()) == imo
+    coarse = options.radar(_parse("--range-sigma", "60", "--bearing-sigma", "2"))
+    assert (coarse.range_sigma_m, coarse.range_sigma_fraction, coarse.bearing_sigma_deg) == (60.0, 0.0, 2.0)
+    assert coarse.maximum_range_m == imo.maximum_range_m
+
+
+def test_an_unknown_radar_is_named() -> None:
+    with pytest.raises(CatalogError, match="'nope'"):
+        options.radar(_parse("--radar", "nope"))
+
+
+def test_an_input_is_never_overwritten(tmp_path: Path) -> None:
+    log = tmp_path / "log.txt"
+    log.write_text("precious")
+    link = tmp_path / "link.txt"
+    link.symlink_to(log)
+    hard = tmp_path / "hard.txt"
+    hard.hardlink_to(log)
+    detour = tmp_path / "sub" / ".." / "log.txt"
+    (tmp_path / "sub").mkdir()
+    for out in (log, link, hard, detour):
+        args = _parser().parse_args([str(log), "--out", str(out)])
+        with pytest.raises(CommandError, match="never overwritten"):
+            options.protect_inputs(args)
+    assert log.read_text() == "precious"
+
+
+@pytest.mark.parametrize("option", ["--truth", "--chart", "--outlines", "--kernel"])
+def test_side_inputs_are_protected_too(tmp_path: Path, option: str) -> None:
+    side = tmp_path / "side.json"
+    side.write_text("{}")
+    args = _parser().parse_args(["-", option, str(side), "--out", str(side)])
+    with pytest.raises(CommandError, match="never overwritten"):
+        options.protect_inputs(args)
+
+
+def test_no_output_is_named_twice(tmp_path: Path) -> None:
+    args = _parse("--out", str(tmp_path / "a.svg"), "--out", str(tmp_path / "." / "a.svg"))
+    with pytest.raises(CommandError, match="named twice"):
+        options.protect_inputs(args)
+
+
+def test_outputs_beside_the_inputs_are_written(tmp_path: Path) -> None:
+    args = _parse("--out", str(tmp_path / "a.svg"), "--out", str(tmp_path / "B.JSON"))
+    options.protect_inputs(args)
+    called: list[str] = []
+    writers = {suffix: (lambda suffix=suffix: called.append(suffix) or suffix) for suffix in (".svg", ".json", ".html")}
+    options.write_outputs(args.out, writers)
+    assert called == [".svg", ".json"]
+    assert (tmp_path / "a.svg").read_text() == ".svg"
+    assert (tmp_path / "B.JSON").read_text() == ".json"
+
+
+def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:
+    folder = tmp_path / "late.svg"
+    folder.mkdir()
+    with pytest.raises(CommandError, match="cannot be written"):
+        options.write_outputs([folder], {".svg": lambda: "x"})
