@@ -42,6 +42,29 @@ class RadarModel:
 
 
 @dataclass(frozen=True, slots=True)
+class AisModel:
+    """How far a report of one AIS class can be trusted, 1 sigma per axis, and how that grows with its age.
+
+    Sigma of the report itself by its accuracy flag; of a moving ship's speed, course and unknown acceleration; of the
+    time between the AIS and the radar clock; of a still ship's swing. Reports older than ``oldest_*_s`` are dropped.
+    """
+
+    name: str
+    title: str
+    source: str
+    accurate_sigma_m: float
+    default_sigma_m: float
+    speed_sigma_mps: float
+    course_sigma_deg: float
+    acceleration_mps2: float
+    clock_sigma_s: float
+    swing_sigma_m: float
+    oldest_moving_s: float
+    oldest_still_s: float
+    unknown_hull_sigma_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class AssociationModel:
     """Constants of the association: how it searches, what it averages over, when it answers."""
 
@@ -92,6 +115,11 @@ def radar_model(name: str | RadarModel) -> RadarModel:
     CatalogError : unknown name, unknown or missing key
     """
     return name if isinstance(name, RadarModel) else _load("radar", name, RadarModel)
+
+
+def ais_model(name: str | AisModel) -> AisModel:
+    """Return an AIS class by name in models/ais ("class_a", "class_b", "aton"), or the record itself."""
+    return name if isinstance(name, AisModel) else _load("ais", name, AisModel)
 
 
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:

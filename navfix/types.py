@@ -191,7 +191,10 @@ class GnssReport:
 
 @dataclass(frozen=True, slots=True)
 class Epoch:
-    """Everything reduced to one instant: targets, marks, and the hints that a log may hold."""
+    """Everything reduced to one instant: targets, marks, and the hints that a log may hold.
+
+    ``left_out`` counts the stations that could not serve as marks, by reason.
+    """
 
     time_utc: datetime | None
     targets: tuple[RadarTarget, ...]
@@ -199,6 +202,7 @@ class Epoch:
     heading_hint: HeadingHint | None = None
     position_hint: PositionHint | None = None
     gnss: GnssReport | None = None
+    left_out: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "targets", tuple(self.targets))

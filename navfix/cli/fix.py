@@ -1,0 +1,38 @@
+"""``navfix fix``: one radar scan of a log -> position, heading, ellipse and residual report."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from navfix.cli import options, solving
+from navfix.cli.errors import NO_FIX, OK, one_line
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the parser."""
+    parser = subparsers.add_parser(
+        "fix", help="adjusted position and heading of one radar scan of a log", description=__doc__
+    )
+    options.add_log(parser)
+    options.add_at(parser)
+    options.add_estimation(parser)
+    options.add_evidence(parser)
+    options.add_truth(parser)
+    options.add_output(parser)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Solve the scan, print the report, write the files."""
+    from navfix.report.writers import render
+
+    solving.refuse(args, ["chart"])
+    track = solving.truth_track(args)
+    answer = solving.solve(solving.one_epoch(solving.read(args.log), args), args, track)
+    print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
+    solving.write(answer, args)
+    if answer.error is not None:
+        print(f"navfix: no fix ({answer.error.reason}): {one_line(answer.error)}", file=sys.stderr)
+        return NO_FIX
+    return OK

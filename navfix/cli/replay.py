@@ -1,0 +1,52 @@
+"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from navfix.cli import options, solving
+from navfix.cli.errors import NO_FIX, OK, CommandError
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the parser."""
+    parser = subparsers.add_parser("replay", help="every radar scan of a log, as JSON lines", description=__doc__)
+    options.add_log(parser)
+    parser.add_argument("--every", metavar="N", type=_count, default=1, help="only every N-th scan (default: 1)")
+    options.add_estimation(parser)
+    options.add_evidence(parser)
+    options.add_window(parser)
+    options.add_independent(parser)
+    options.add_truth(parser)
+    options.add_output(parser)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Solve scan by scan; a line as soon as it is known."""
+    from navfix import pipeline
+    from navfix.report.writers import render
+
+    solving.refuse(args, ["chart", "window"])
+    track = solving.truth_track(args)
+    log = solving.read(args.log)
+    lines, fixes = [], 0
+    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
+        if count % args.every:
+            continue
+        answer = solving.solve(solving.without_hints(epoch, args), args, track)
+        fixes += answer.fix is not None
+        lines.append(render(answer, ".json").strip())
+        print(lines[-1], flush=True)
+    if not lines:
+        raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
+    options.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
+    print(f"navfix: {fixes} fixes in {len(lines)} scans", file=sys.stderr)
+    return OK if fixes else NO_FIX
+
+
+def _count(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"must be a whole number >= 1, got {text!r}")
+    return int(text)

@@ -1,0 +1,104 @@
+"""What the commands that solve logs share: read the log and the truth, refuse what is not there yet, solve, write."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from navfix.cli import options
+from navfix.cli.errors import NO_FIX, CommandError
+
+if TYPE_CHECKING:
+    from navfix.nmea import Log
+    from navfix.report.answer import Answer
+    from navfix.report.truth import TruthTrack
+    from navfix.types import Epoch
+
+
+def read(path: str) -> Log:
+    """Read LOG ("-": standard input); it must hold radar targets and AIS.
+
+    Raises
+    ------
+    InputError : nothing readable
+    CommandError : readable, but without radar or without AIS (no fix can follow)
+    """
+    from navfix.nmea import read_log
+
+    log = read_log(sys.stdin.buffer if path == options.STDIN else path)
+    radar, ais = log.counts.get("TTM", 0), log.counts.get("AIVDM", 0)
+    if not radar or not ais:
+        lacking = (
+            "radar targets (TTM) and no AIS (VDM)"
+            if not radar and not ais
+            else "radar targets (TTM)"
+            if not radar
+            else "AIS (VDM)"
+        )
+        raise CommandError(f"{path}: no fix: the log holds no {lacking}", NO_FIX)
+    return log
+
+
+def truth_track(args: argparse.Namespace) -> TruthTrack | None:
+    """Read --truth where it is given."""
+    if args.truth is None:
+        return None
+    from navfix.report.truth import TruthTrack
+
+    with args.truth.open(encoding="utf-8-sig", newline="") as lines:
+        return TruthTrack.parse(lines, source=str(args.truth))
+
+
+def one_epoch(log: Log, args: argparse.Namespace) -> Epoch:
+    """Return the epoch that --at chooses, or that of the last complete scan.
+
+    Raises
+    ------
+    CommandError : the log holds no complete radar scan there
+    """
+    from navfix import pipeline
+
+    epoch = next(pipeline.epochs(log, radar=options.radar(args), at=args.at, last=args.at is None), None)
+    if epoch is None:
+        when = "" if args.at is None else f" at {args.at:%Y-%m-%dT%H:%M:%SZ}"
+        raise CommandError(f"{args.log}: no fix: no complete radar scan{when}", NO_FIX)
+    return without_hints(epoch, args)
+
+
+def without_hints(epoch: Epoch, args: argparse.Namespace) -> Epoch:
+    """Take the hints out that --no-prior and --heading-from none forbid."""
+    from dataclasses import replace
+
+    if args.no_prior or args.heading_from == "none":
+        epoch = replace(epoch, heading_hint=None)
+    return replace(epoch, position_hint=None) if args.no_prior else epoch
+
+
+def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> Answer:
+    """Solve an epoch with the options of the command, and set the truth beside it."""
+    from navfix import pipeline
+
+    answer = pipeline.answer(epoch, radar=options.radar(args), kernel=args.kernel)
+    if track is None:
+        return answer
+    from navfix.report.truth import with_truth
+
+    return with_truth(answer, track)
+
+
+def write(answer: Answer, args: argparse.Namespace) -> None:
+    """Write the answer to every --out."""
+    from navfix.report.writers import render
+
+    options.write_outputs(
+        args.out, {suffix: lambda suffix=suffix: render(answer, suffix) for suffix in options.OUT_SUFFIXES}
+    )
+
+
+def refuse(args: argparse.Namespace, names: Iterable[str]) -> None:
+    """Refuse options that this version does not know how to serve, rather than pass over them in silence."""
+    for name in names:
+        if getattr(args, name, None):
+            raise CommandError(f"--{name.replace('_', '-')} is not available in this version")

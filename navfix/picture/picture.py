@@ -1,0 +1,177 @@
+"""The picture over time: feed it records, and every complete radar scan gives an epoch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from datetime import UTC, datetime
+
+from navfix.catalog import RadarModel, radar_model
+from navfix.geodesy import direct
+from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, Record, TargetReport
+from navfix.picture.scans import Scan, ScanBuilder
+from navfix.picture.traffic import Traffic
+from navfix.types import Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget
+
+GYRO_SIGMA_DEG = 1.5
+HINT_AGE_S = 10.0
+GNSS_AGE_S = 15.0
+GNSS_SIGMA_M = 10.0
+AT_TOLERANCE_S = 0.5  # times on the command line are written with fewer digits than in the log
+
+
+class Picture:
+    """What radar, AIS and own sensors have said so far.
+
+    Parameters
+    ----------
+    radar : sigma of range [m] and bearing [deg]; the rounding of the sentences is added
+    charted : marks from a chart, in every epoch
+    """
+
+    def __init__(self, *, radar: RadarModel | str = "imo", charted: Iterable[Mark] = ()) -> None:
+        self._radar = radar_model(radar)
+        self._charted = tuple(charted)
+        self._traffic = Traffic()
+        self._scans = ScanBuilder()
+        self._heading: OwnHeading | None = None
+        self._gnss: OwnPosition | None = None
+
+    def feed(self, record: Record) -> Scan | None:
+        """Take one record; return the radar scan that it completes, if it does."""
+        match record:
+            case TargetReport():
+                return self._scans.feed(record)
+            case AisPosition() | AisStatic():
+                self._traffic.feed(record)
+            case OwnHeading() if record.valid and record.time_s is not None:
+                self._heading = _better_heading(self._heading, record)
+            case OwnPosition() if record.valid and record.time_s is not None:
+                self._gnss = record
+            case _:
+                pass
+        return None
+
+    def flush(self) -> Scan | None:
+        """Return the last scan where it is complete: for the end of a log."""
+        return self._scans.flush()
+
+    def epoch(self, scan: Scan) -> Epoch:
+        """Reduce everything to the instant of a scan."""
+        marks, left_out = self._traffic.marks(scan.time_s)
+        return Epoch(
+            time_utc=datetime.fromtimestamp(scan.time_s, UTC),
+            targets=tuple(radar_target(report, self._radar) for report in scan.reports),
+            marks=(*marks, *self._charted),
+            heading_hint=self._heading_hint(scan.time_s),
+            gnss=self._gnss_report(scan.time_s),
+            left_out=tuple(sorted(left_out.items())),
+        )
+
+    def _heading_hint(self, at_s: float) -> HeadingHint | None:
+        heading = self._heading
+        if heading is None or heading.time_s is None or abs(at_s - heading.time_s) > HINT_AGE_S:
+            return None
+        if heading.reference == "true":
+            return HeadingHint(heading.heading_deg, GYRO_SIGMA_DEG)
+        if heading.variation_deg is None:
+            return None
+        true_deg = heading.heading_deg + (heading.deviation_deg or 0.0) + heading.variation_deg
+        return HeadingHint(true_deg % 360.0, 3.0 * GYRO_SIGMA_DEG)
+
+    def _gnss_report(self, at_s: float) -> GnssReport | None:
+        """Return own GNSS at an instant, from sentences or else from own AIS: only ever compared with the fix."""
+        report: OwnPosition | AisPosition | None = self._gnss or self._traffic.own_gnss()
+        if report is None or report.time_s is None or report.lat_deg is None or report.lon_deg is None:
+            return None
+        age_s = at_s - report.time_s
+        if abs(age_s) > GNSS_AGE_S:
+            return None
+        position = Position(report.lat_deg, report.lon_deg)
+        if report.speed_mps is not None and report.course_deg is not None:
+            position = direct(position, report.course_deg, report.speed_mps * age_s)
+        time_utc = datetime.fromtimestamp(report.time_s, UTC)
+        return GnssReport(position, GNSS_SIGMA_M + abs(age_s), time_utc)
+
+
+def epochs(
+    records: Iterable[Record],
+    *,
+    radar: RadarModel | str = "imo",
+    charted: Iterable[Mark] = (),
+    at: datetime | None = None,
+    last: bool = False,
+    every: int = 1,
+) -> Iterator[Epoch]:
+    """Yield an epoch for each complete radar scan of a log.
+
+    Parameters
+    ----------
+    records : in the order of reception, such as ``navfix.nmea.read_log(file).records``
+    radar : model of the radar, by name or record
+    charted : marks from a chart
+    at : only the newest scan that is complete at this time
+    last : only the newest scan of all
+    every : only every n-th scan
+    """
+    if last:
+        records = tuple(records)
+        at = _last_scan_time(records)
+        if at is None:
+            return
+    picture = Picture(radar=radar, charted=charted)
+    newest: Epoch | None = None
+    for count, scan in enumerate(_scans(picture, records)):
+        if at is None:
+            if count % every == 0:
+                yield picture.epoch(scan)
+        elif scan.time_s > at.timestamp() + AT_TOLERANCE_S:
+            break
+        elif at.timestamp() - scan.time_s <= scan.turn_s + AT_TOLERANCE_S:
+            newest = picture.epoch(scan)
+    if newest is not None:
+        yield newest
+
+
+def radar_target(report: TargetReport, radar: RadarModel) -> RadarTarget:
+    """Return the target of a report; its sigmas are the radar's with the variance of the rounding added."""
+    range_sigma_m = float(radar.sigma_of_range_m(report.range_m))
+    ground = report.course_reference == "true"
+    return RadarTarget(
+        label=f"{report.number:02d}",
+        range_m=report.range_m,
+        bearing_deg=report.bearing_deg,
+        bearing_reference=report.bearing_reference,
+        time_utc=None if report.time_s is None else datetime.fromtimestamp(report.time_s, UTC),
+        speed_mps=report.speed_mps if ground else None,
+        course_deg=report.course_deg if ground else None,
+        range_sigma_m=math.hypot(range_sigma_m, report.range_resolution_m / math.sqrt(12.0)),
+        bearing_sigma_deg=math.hypot(radar.bearing_sigma_deg, report.bearing_resolution_deg / math.sqrt(12.0)),
+        status=report.status,
+    )
+
+
+def _last_scan_time(records: Iterable[Record]) -> datetime | None:
+    """Return when the last complete scan was (a first pass: epochs are made only where they are wanted)."""
+    scan = None
+    for scan in _scans(Picture(), records):  # noqa: B007 (the last one is wanted)
+        pass
+    return None if scan is None else datetime.fromtimestamp(scan.time_s, UTC)
+
+
+def _scans(picture: Picture, records: Iterable[Record]) -> Iterator[Scan]:
+    for record in records:
+        scan = picture.feed(record)
+        if scan is not None:
+            yield scan
+    final = picture.flush()
+    if final is not None:
+        yield final
+
+
+def _better_heading(known: OwnHeading | None, new: OwnHeading) -> OwnHeading:
+    """Prefer a true heading over a magnetic one while it is fresh."""
+    if known is None or new.reference == "true" or known.reference == "magnetic":
+        return new
+    stale = new.time_s is not None and known.time_s is not None and new.time_s - known.time_s > HINT_AGE_S
+    return new if stale else known

@@ -1,0 +1,106 @@
+"""The method from one end to the other: log -> epochs -> association -> adjustment -> answer."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator
+from datetime import datetime
+
+from navfix.adjustment import adjust, mean_fix
+from navfix.association import associate
+from navfix.catalog import RadarModel
+from navfix.errors import NoFix
+from navfix.integrity import gnss_verdict
+from navfix.kernels import Kernel
+from navfix.nmea import Log
+from navfix.picture import epochs as _epochs
+from navfix.report.answer import Answer
+from navfix.types import Epoch, Fix, Mark
+from navfix.units import wrap_180
+
+__all__ = ["answer", "epochs", "fix"]
+
+GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
+
+
+def fix(epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded") -> Fix:
+    """Find own position and heading from one epoch, with no idea of either beforehand.
+
+    Parameters
+    ----------
+    epoch : targets and marks at one instant
+    radar : sigma of one range [m] and one bearing [deg], where the targets bring none
+    kernel : damping function of the adjustment, on the standardised residual (no unit)
+    method : association method of the catalogue
+
+    Returns
+    -------
+    Fix - covariance (3, 3) in north [m], east [m], heading [rad]
+
+    Raises
+    ------
+    NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
+    """
+    association = associate(epoch, method=method, radar=radar)
+    return adjust(epoch, association, radar=radar, kernel=kernel)
+
+
+def epochs(
+    log: Log,
+    *,
+    radar: RadarModel | str = "imo",
+    charted: Iterable[Mark] = (),
+    at: datetime | None = None,
+    last: bool = False,
+) -> Iterator[Epoch]:
+    """Yield an epoch for each complete radar scan of a log: every one, the ``last``, or the newest ``at`` a time."""
+    return _epochs(log.records, radar=radar, charted=charted, at=at, last=last)
+
+
+def answer(
+    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded"
+) -> Answer:
+    """Solve an epoch as `fix` does and set beside it the plain-mean fix, the GNSS verdict and the time that it took.
+
+    No fix is an answer too: it is in ``error``, nothing is raised.
+    """
+    clock = _Clock()
+    try:
+        association = associate(epoch, method=method, radar=radar)
+        clock.lap("associate")
+        found = adjust(epoch, association, radar=radar, kernel=kernel)
+        clock.lap("adjust")
+    except NoFix as error:
+        return Answer(epoch=epoch, error=error, timing_ms=clock.laps_ms)
+    return Answer(
+        epoch=epoch,
+        fix=found,
+        plain_mean=mean_fix(epoch, association),
+        gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
+        timing_ms=clock.laps_ms,
+        notes=_notes(found, epoch),
+    )
+
+
+def _notes(found: Fix, epoch: Epoch) -> tuple[str, ...]:
+    """Return what the reader must know beside the numbers."""
+    hint = epoch.heading_hint
+    if hint is None or found.heading_deg is None:
+        return ()
+    off_deg = wrap_180(hint.heading_deg - found.heading_deg)
+    if abs(off_deg) <= GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
+        return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
+    return (f"CHECK THE COMPASS: the heading in the log, {hint.heading_deg:.1f} deg, is {off_deg:+.1f} deg off.",)
+
+
+class _Clock:
+    """Milliseconds by step."""
+
+    def __init__(self) -> None:
+        self.laps_ms: dict[str, float] = {}
+        self._began = time.perf_counter()
+
+    def lap(self, step: str) -> None:
+        now = time.perf_counter()
+        self.laps_ms[step] = round(1e3 * (now - self._began), 3)
+        self._began = now
