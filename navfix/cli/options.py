@@ -18,10 +18,11 @@ from navfix.cli.errors import CommandError
 
 if TYPE_CHECKING:
     from navfix.catalog import RadarModel
+    from navfix.kernels import Kernel
 
 STDIN = "-"
 OUT_SUFFIXES = (".txt", ".json", ".svg", ".geojson", ".html", ".nmea", ".gpx", ".csv")
-KERNELS = "none, huber, hampel, danish, tukey, igg3, gnc"
+KERNELS = "none, huber, hampel, danish, tukey, igg3"
 _INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel")
 
 
@@ -200,6 +201,18 @@ def radar(args: argparse.Namespace) -> RadarModel:
     if args.bearing_sigma is not None:
         model = replace(model, bearing_sigma_deg=args.bearing_sigma)
     return model
+
+
+def kernel(args: argparse.Namespace) -> Kernel:
+    """Return the kernel that --kernel names: one of the catalogue, or a TOML file.
+
+    Raises
+    ------
+    CatalogError : no kernel has this name, or the file is no kernel
+    """
+    from navfix import catalog
+
+    return catalog.kernel(args.kernel)
 
 
 def inputs(args: argparse.Namespace) -> Iterator[Path]:
