@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from navfix.errors import InputError
+from navfix.kernels import Damping
 from navfix.types import FloatArray, IntArray, ObservationKind
 from navfix.units import wrap_pi
 
 RANGE, RELATIVE_BEARING, TRUE_BEARING = 0, 1, 2
 KIND_NAMES: tuple[ObservationKind, ...] = ("range", "relative_bearing", "true_bearing")
 KIND_CODES: dict[ObservationKind, int] = {name: code for code, name in enumerate(KIND_NAMES)}
-Damping = Literal["joint", "separate"]
 BoolArray = NDArray[np.bool_]
 _NEAREST_M = 1e-6  # a mark nearer than this has no direction
 
@@ -225,26 +224,41 @@ def effective_sigma(network: Network, jacobian_: FloatArray) -> FloatArray:
     sigma^2 + j S j' with j the position part of the Jacobian: sigma^2 + s^2 for a range, sigma^2 + (s / d)^2 for a
     bearing at distance d to a mark of s per axis.
     """
-    j, covariance = jacobian_[..., :2], network.mark_covariance_m2[network.mark]
-    return np.asarray(np.sqrt(network.sigma**2 + np.einsum("...i,...ij,...j->...", j, covariance, j)))
+    spread = network.mark_covariance_m2[network.mark]
+    north, east = jacobian_[..., 0], jacobian_[..., 1]
+    moved = spread[:, 0, 0] * north**2 + (2.0 * spread[:, 0, 1] * north + spread[:, 1, 1] * east) * east
+    return np.asarray(np.sqrt(network.sigma**2 + moved))
 
 
-def whitened(
-    network: Network, pose: FloatArray, damping: Damping = "joint", *, frame: FloatArray | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return residuals (..., m) and Jacobian (..., m, 3) in units of their sigma; observations masked out are zero.
+def whitener(network: Network, jacobian_: FloatArray, damping: Damping = "joint") -> FloatArray:
+    """Return what turns residuals into uncorrelated ones of unit variance, for `whiten`.
 
-    Range and bearing of one mark are uncorrelated when the mark's sigma is the same in every direction. Otherwise
-    joint damping decorrelates the observations of a target by the Cholesky factor of their covariance; separate damping
-    looks at each observation by itself and leaves the correlation out. The covariance belongs to ``frame`` (..., 3),
-    ``pose`` where it is not given: so two poses can be compared with one and the same weighting.
+    Range and bearing of one mark are uncorrelated when the mark's sigma is the same in every direction: the inverse
+    sigma (..., m), zero where masked out. Otherwise joint damping decorrelates the observations of each target by the
+    inverse Cholesky factor of their covariance, (..., g, K, K); separate damping looks at each observation by itself
+    and leaves the correlation out.
     """
-    v, a = residuals(network, pose), jacobian(network, pose)
-    at_frame = a if frame is None else jacobian(network, frame)
     if network.diagonal or damping == "separate":
-        inverse_sigma = network.mask / effective_sigma(network, at_frame)
-        return v * inverse_sigma, a * inverse_sigma[..., None]
-    return _decorrelated(network, v, a, at_frame)
+        return np.asarray(network.mask / effective_sigma(network, jacobian_))
+    return np.linalg.inv(np.linalg.cholesky(block_covariance(network, jacobian_)))
+
+
+def whiten(network: Network, whitener_: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return ``columns`` (..., m, c) in units of sigma, zero where masked out; leading axes as in the whitener."""
+    if whitener_.ndim < columns.ndim:
+        return columns * whitener_[..., None]
+    used = network.blocks >= 0
+    padded = np.where(used[..., None], columns[..., network.blocks, :], 0.0)
+    result = np.zeros_like(columns)
+    result[..., network.blocks[used], :] = (whitener_ @ padded)[..., used, :]
+    return result
+
+
+def whitened(network: Network, pose: FloatArray, damping: Damping = "joint") -> tuple[FloatArray, FloatArray]:
+    """Return residuals (..., m) and Jacobian (..., m, 3) in units of their sigma at ``pose`` (..., 3)."""
+    a = jacobian(network, pose)
+    w = whitener(network, a, damping)
+    return whiten(network, w, residuals(network, pose)[..., None])[..., 0], whiten(network, w, a)
 
 
 def block_covariance(network: Network, jacobian_: FloatArray) -> FloatArray:
@@ -255,18 +269,6 @@ def block_covariance(network: Network, jacobian_: FloatArray) -> FloatArray:
     variance = np.where(used, network.sigma[network.blocks] ** 2, 1.0)
     covariance: FloatArray = j @ network.mark_covariance_m2[mark] @ np.swapaxes(j, -1, -2)
     return covariance + variance[..., None] * np.eye(network.blocks.shape[1])
-
-
-def _decorrelated(
-    network: Network, v: FloatArray, a: FloatArray, at_frame: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    used, factor = network.blocks >= 0, np.linalg.cholesky(block_covariance(network, at_frame))
-    columns = np.concatenate([v[..., None], a], axis=-1)
-    padded = np.where(used[..., None], columns[..., network.blocks, :], 0.0)
-    solved = np.linalg.solve(factor, padded)
-    result = np.zeros_like(columns)
-    result[..., network.blocks[used], :] = solved[..., used, :]
-    return result[..., 0], result[..., 1:]
 
 
 def target_norms(network: Network, v_white: FloatArray) -> FloatArray:

@@ -1,0 +1,154 @@
+"""Dense normal equations: Levenberg-Marquardt on iterated weights, for many starts at once.
+
+The second road to every adjustment: it serves the trial starts, checks the factor graph, and stands in where GTSAM
+has no wheel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.adjustment.network import (
+    Damping,
+    Network,
+    jacobian,
+    prior_residual,
+    residuals,
+    spread_to_observations,
+    target_norms,
+    whiten,
+    whitened,
+    whitener,
+)
+from navfix.kernels import Kernel
+from navfix.types import FloatArray, IntArray
+
+_SMALLEST_MU, _LARGEST_MU = 1e-9, 1e12
+_FLOOR = np.array([1e-15, 1e-15, 1e-9])  # keeps the step defined where nothing depends on an unknown
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Descent:
+    """Where each start ended: ``pose`` (s, 3), ``loss`` (s,), ``step`` (s,) the last step in units of its own sigma."""
+
+    pose: FloatArray
+    loss: FloatArray
+    step: FloatArray
+    iterations: int
+
+
+def total_loss(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> FloatArray:
+    """Return the sum of the losses at each pose (..., 3), heading prior included: z^2 / 2 summed for good data."""
+    white = whiten(network, whitener(network, jacobian(network, pose), damping), residuals(network, pose)[..., None])
+    return _loss(network, kernel, damping, white[..., 0], prior_residual(network, pose))
+
+
+def observation_weights(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> FloatArray:
+    """Return the weight of each observation at ``pose`` (..., 3): (..., m) within 0 .. 1, zero where masked out."""
+    return _weights(network, kernel, damping, whitened(network, pose, damping)[0])
+
+
+def normal_matrix(network: Network, a_white: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return A'WA (..., 3, 3) with the heading prior; row and column 2 are zero where the heading is no unknown."""
+    matrix: FloatArray = np.swapaxes(a_white * weights[..., None], -1, -2) @ a_white
+    if network.prior_counts and network.heading_prior_rad is not None:
+        matrix = matrix.copy()
+        matrix[..., 2, 2] += 1.0 / network.heading_prior_rad[1] ** 2
+    return matrix
+
+
+def minimise(
+    network: Network,
+    kernel: Kernel,
+    damping: Damping,
+    starts: FloatArray,
+    *,
+    tolerance: float = 1e-9,
+    iterations: int = 200,
+) -> Descent:
+    """Go down from each start (s, 3) until a step is shorter than ``tolerance`` sigma.
+
+    Levenberg-Marquardt: a step counts only if it lowers the loss, so ranges alone or nearly collinear marks do not
+    make it oscillate. The combined sigma belongs to the pose of the current iteration; both poses of a comparison are
+    judged with the same one.
+    """
+    pose = np.array(starts, np.float64).reshape(-1, 3)
+    mu, last = np.full(len(pose), _SMALLEST_MU), np.full(len(pose), np.inf)
+    active, count = np.arange(len(pose)), 0
+    while len(active) and count < iterations:
+        count += 1
+        pose[active], mu[active], last[active] = _iterate(network, kernel, damping, pose[active], mu[active])
+        active = active[(last[active] > tolerance) & (mu[active] < _LARGEST_MU)]
+    return Descent(pose, total_loss(network, kernel, damping, pose), last, count)
+
+
+def _iterate(
+    network: Network, kernel: Kernel, damping: Damping, pose: FloatArray, mu: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Try one step from each pose; return poses, damping parameters and lengths of the steps in sigma."""
+    a = jacobian(network, pose)
+    factor = whitener(network, a, damping)
+    v_white, a_white = whiten(network, factor, residuals(network, pose)[..., None])[..., 0], whiten(network, factor, a)
+    weights = _weights(network, kernel, damping, v_white)
+    step, length = _step(network, a_white, weights, v_white, pose, mu)
+    tried = pose + step
+    v_tried = whiten(network, factor, residuals(network, tried)[..., None])[..., 0]
+    before = _loss(network, kernel, damping, v_white, prior_residual(network, pose))
+    after = _loss(network, kernel, damping, v_tried, prior_residual(network, tried))
+    better = after <= before * (1.0 + 1e-14)
+    mu = np.where(better, np.maximum(mu * 0.1, _SMALLEST_MU), np.maximum(mu * 10.0, 1e-3))
+    return np.where(better[:, None], tried, pose), mu, np.where(better | (length < 1e-7), length, np.inf)
+
+
+def _step(
+    network: Network, a_white: FloatArray, weights: FloatArray, v_white: FloatArray, pose: FloatArray, mu: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Solve (A'WA + mu D) dx = -A'Wv; return dx (s, 3) and its length sqrt(g'dx), the decrement in sigma."""
+    u = network.unknowns
+    gradient = ((weights * v_white)[..., None, :] @ a_white)[..., 0, :]
+    if network.prior_counts and network.heading_prior_rad is not None:
+        gradient[..., 2] += prior_residual(network, pose) / network.heading_prior_rad[1]
+    matrix = normal_matrix(network, a_white, weights)[..., :u, :u]
+    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1) + _FLOOR[:u]
+    damped = matrix + (mu[:, None] * diagonal)[..., None] * np.eye(u)
+    step = np.zeros_like(pose)
+    step[..., :u] = -np.linalg.solve(damped, gradient[..., :u, None])[..., 0]
+    length = np.sqrt(np.maximum(-np.sum(gradient[..., :u] * step[..., :u], axis=-1), 0.0))
+    return step, length
+
+
+# ---------------------------------------------------------------------------------------- the kernel over a network
+
+
+def _stretch(network: Network) -> tuple[IntArray, FloatArray]:
+    """Return the sizes of the targets and the factor that brings a norm of more than two residuals to that of two."""
+    sizes = network.block_sizes
+    return sizes, np.sqrt(np.maximum(sizes, 2) / 2.0)
+
+
+def _loss(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray, prior: FloatArray) -> FloatArray:
+    if damping == "separate":
+        damped = kernel.loss(np.abs(v_white), "separate").sum(axis=-1)
+    else:
+        sizes, stretch = _stretch(network)
+        z = target_norms(network, v_white)
+        joint = kernel.loss(z / stretch, "joint") * stretch**2
+        damped = joint.sum(axis=-1) if sizes.min(initial=2) > 1 else _mixed(sizes, kernel.loss(z), joint).sum(axis=-1)
+    return np.asarray(damped + 0.5 * prior**2)
+
+
+def _weights(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray) -> FloatArray:
+    if damping == "separate":
+        return kernel.weight(np.abs(v_white), "separate") * network.mask
+    sizes, stretch = _stretch(network)
+    z = target_norms(network, v_white)
+    joint = kernel.weight(z / stretch, "joint")
+    per_target = joint if sizes.min(initial=2) > 1 else _mixed(sizes, kernel.weight(z), joint)
+    return spread_to_observations(network, per_target)
+
+
+def _mixed(sizes: IntArray, single: FloatArray, joint: FloatArray) -> FloatArray:
+    """Take the one-dimensional constants for targets of which only one observation takes part."""
+    return np.where(sizes == 1, single, joint)
