@@ -105,7 +105,10 @@ class OwnHeading:
 
 @dataclass(frozen=True, slots=True)
 class OwnSpeed:
-    """VHW, VBW, VTG, OSD: speed through the water or over ground, along the bow and across where given, or by course."""
+    """VHW, VBW, VTG, OSD: speed through the water or over ground, along the bow and across where given, or by course.
+
+    ``from_gnss``: the sentence says, or VTG implies, that own GNSS measured it: never evidence for a fix.
+    """
 
     time_s: float | None
     reference: Literal["water", "ground"]
@@ -115,6 +118,7 @@ class OwnSpeed:
     forward_mps: float | None = None
     starboard_mps: float | None = None
     source: str | None = None
+    from_gnss: bool = False
 
 
 @dataclass(frozen=True, slots=True)
