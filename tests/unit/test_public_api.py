@@ -38,6 +38,22 @@ def test_a_public_name_loads_and_is_documented(name: str) -> None:
     assert not inspect.getdoc(value).startswith(f"{name}("), "a record without a docstring shows its signature"
 
 
+def test_public_names_are_callable_whatever_was_imported_before() -> None:
+    # A module of the same name as a function in the package above it would take its place once it is imported.
+    everything = [module.__name__ for module in _modules()]
+    script = f"import importlib, navfix\nfor name in {everything}: importlib.import_module(name)\n"
+    script += f"assert [n for n in {PUBLIC.split()} if not callable(getattr(navfix, n))] == []"
+    ended = subprocess.run(
+        [sys.executable, "-c", script],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+        cwd=Path(navfix.__file__).parents[1],
+    )
+    assert ended.returncode == 0, ended.stderr
+
+
 def test_an_unknown_name_is_an_attribute_error() -> None:
     with pytest.raises(AttributeError, match="no attribute 'conjure'"):
         _ = navfix.conjure
