@@ -1,0 +1,1 @@
+"""A seeded world: scenarios to NMEA logs with truth (`scenario`, `files`), and scenes of one instant (`scenes`)."""
