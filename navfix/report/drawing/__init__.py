@@ -1,0 +1,1 @@
+"""Parts of the SVG picture: the view, the symbols, the labels, the frame and the inset."""
