@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -71,7 +72,7 @@ def test_the_commands_of_the_pages_run(
         argv[argv.index("--at") + 1] = _a_time_of(desk / "approach.nmea")
     assert main(argv) == 0, capsys.readouterr().err
     assert capsys.readouterr().out
-    for option, value in zip(argv, argv[1:], strict=False):
+    for option, value in pairwise(argv):
         if option == "--out":
             assert (desk / value).stat().st_size > 0
 
