@@ -1,0 +1,157 @@
+"""The textbook report of an adjusted case: matrices of the first step, the fix, and the kernels side by side."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from navfix.adjustment.case import Case, CaseObservation
+from navfix.adjustment.textbook import LinearStep
+from navfix.errors import NoFix
+from navfix.report import words
+from navfix.report.tables import clipped, number
+from navfix.types import AdjustedObservation, Fix, PlanePosition
+
+_KIND = {"range": "range", "true_bearing": "true brg", "relative_bearing": "rel. brg"}
+_NAMES = {"none": "classical", "huber": "Huber", "hampel": "Hampel", "danish": "Danish"}
+
+
+def case_report(case: Case, step: LinearStep | None, fix: Fix, others: Mapping[str, Fix | NoFix]) -> str:
+    """Return the report of one case, at most 100 columns wide, ending in a line feed.
+
+    Parameters
+    ----------
+    step : the first linear step from the start that was used, None where it is singular there
+    fix : with the kernel asked for
+    others : by kernel name, the same case with each kernel, or why there is no fix
+    """
+    lines = [*_head(case), ""]
+    if step is not None:
+        lines += [*_first_step(case, step, fix.kernel), ""]
+    lines += [*_adjusted(case, fix), "", *_side_by_side(others), *_alternatives(fix)]
+    lines += [f"Note: {note}" for note in fix.notes]
+    return "\n".join(line.rstrip() for line in lines) + "\n"
+
+
+def _head(case: Case) -> Iterator[str]:
+    unknowns = "north, east, heading" if case.heading_unknown else "north, east"
+    used = sum(observation.use for observation in case.observations)
+    yield f"CASE  {clipped(case.name, 90)}"
+    yield f"frame {case.frame}, {len(case.marks)} marks, {used} observations, unknowns {unknowns}"
+    if case.start is not None:
+        heading = "" if case.heading_deg is None else f"   heading {words.bearing(case.heading_deg)}"
+        yield f"start {words.place(case.start)}{heading}"
+
+
+# -------------------------------------------------------------------------------------------------- the first step
+
+
+def _first_step(case: Case, step: LinearStep, kernel: str) -> Iterator[str]:
+    heading = case.heading_unknown
+    yield f"FIRST STEP from the start: V = A dx + L, dx = -(A'PA)^-1 A'PL, P with the final weights of kernel {kernel}"
+    titles = f"{'A north':>12}{'A east':>12}" + (f"{'A heading':>12}" if heading else "")
+    head = f"{'no mark':<12}{'kind':<9}{titles}{'L':>12}{'P':>11}{'V':>12}{'s(adj)':>10}"
+    yield head
+    yield "-" * len(head)
+    for index, observation in enumerate(case.observations):
+        row = "".join(f"{value:>12.6f}" for value in step.design_matrix[index])
+        yield (
+            f"{index + 1:>2} {clipped(observation.mark, 8):<9}{_KIND[observation.kind]:<9}{row}"
+            f"{step.free_terms[index]:>12.6f}{number(step.weights[index], 10, 6):>11}"
+            f"{step.residuals[index]:>12.6f}{step.adjusted_sigma[index]:>10.3f}"
+        )
+    turn = f"   heading {math.degrees(step.increments[2]):+.4f} deg" if heading else ""
+    yield f"increments dx   north {step.increments[0]:+.3f} m   east {step.increments[1]:+.3f} m{turn}"
+    sigma0 = "not known, no redundancy" if step.sigma0 is None else f"{step.sigma0:.5f}"
+    yield f"sigma0 {sigma0}   mean position error m_P {step.position_sigma_m:.2f} m"
+    yield "cofactors (A'PA)^-1 of " + ("north m, east m, heading rad" if heading else "north m, east m")
+    for line in step.cofactors:
+        yield "".join(f"{value:>18.6g}" for value in line)
+    yield "A and L in m or deg per m" + (" and rad" if heading else "") + ", s(adj) = sigma0 sqrt(AQA')"
+
+
+# --------------------------------------------------------------------------------------------------------- the fix
+
+
+def _adjusted(case: Case, fix: Fix) -> Iterator[str]:
+    yield f"ADJUSTED with kernel {fix.kernel}, iterated to the end"
+    yield f"position  {words.place(fix.position)}"
+    if fix.heading_deg is not None:
+        yield f"heading   {fix.heading_deg:.4f} deg +- {math.degrees(math.sqrt(fix.covariance[2, 2])):.4f} (1 sigma)"
+    scaling = "scaled by sigma0" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
+    yield f"sigma0    {fix.sigma0:.5f}   redundancy {fix.redundancy}   covariance {scaling}"
+    yield f"m_P       {mean_position_error_m(fix):.3f} m   ellipse 95 %  {_ellipse(fix)}"
+    test = fix.global_test
+    if test is not None:
+        verdict = "passed" if test.passed else "FAILED"
+        yield f"global test {test.statistic:.2f}, limit {test.threshold:.2f} at {test.dof:.1f} dof: {verdict}"
+    yield ""
+    yield from _residuals(case.observations, fix.observations)
+
+
+def _residuals(given: Sequence[CaseObservation], adjusted: Sequence[AdjustedObservation]) -> Iterator[str]:
+    names = f"{'observed':>13}{'adjusted':>13}{'v':>11}{'sigma':>9}{'w':>7}{'r':>6}{'p':>6}{'mdb':>10}"
+    head = f"{'no mark':<12}{'kind':<9}{names}"
+    yield head
+    yield "-" * len(head)
+    for index, (observation, row) in enumerate(zip(given, adjusted, strict=True)):
+        w = "-" if row.standardized is None else number(row.standardized, 6, 2, sign=True)
+        mdb = "-" if row.mdb is None else number(row.mdb, 9, 3)
+        left_out = "" if observation.use else "  not used"
+        yield (
+            f"{index + 1:>2} {clipped(row.mark, 8):<9}{_KIND[row.kind]:<9}{number(row.observed, 12, 4):>13}"
+            f"{number(row.adjusted, 12, 4):>13}{number(row.residual, 10, 4, sign=True):>11}{number(row.sigma, 8, 4):>9}"
+            f"{w:>7}{row.redundancy_number:>6.2f}{row.weight:>6.2f}{mdb:>10}{left_out}"
+        )
+    yield "m or deg; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p weight by the kernel"
+
+
+def mean_position_error_m(fix: Fix) -> float:
+    """Return sqrt(s_north^2 + s_east^2) [m] of a fix."""
+    return math.sqrt(float(fix.covariance[0, 0] + fix.covariance[1, 1]))
+
+
+def _ellipse(fix: Fix) -> str:
+    ellipse = fix.ellipse(0.95)
+    return f"{ellipse.semi_major_m:.3f} x {ellipse.semi_minor_m:.3f} m towards {ellipse.azimuth_deg:.1f} deg"
+
+
+# ---------------------------------------------------------------------------------------------------- side by side
+
+
+def _side_by_side(others: Mapping[str, Fix | NoFix]) -> Iterator[str]:
+    yield "SIDE BY SIDE"
+    head = f"{'kernel':<11}{'position':<42}{'heading':>9}{'sigma0':>9}{'m_P m':>10}   damped (weight)"
+    yield head
+    yield "-" * len(head)
+    for kernel, result in others.items():
+        name = _NAMES.get(kernel, kernel)
+        if isinstance(result, NoFix):
+            yield f"{clipped(name, 10):<11}no fix: {clipped(str(result), 80)}"
+            continue
+        heading = "-" if result.heading_deg is None else f"{result.heading_deg:.3f}"
+        yield (
+            f"{clipped(name, 10):<11}{clipped(words.place(result.position), 41):<42}{heading:>9}"
+            f"{number(result.sigma0, 8, 4):>9}{number(mean_position_error_m(result), 9, 3):>10}   {_damped(result)}"
+        )
+
+
+def _damped(fix: Fix) -> str:
+    rows = [f"{index + 1} ({row.weight:.2f})" for index, row in enumerate(fix.observations) if row.weight < 0.995]
+    return clipped(", ".join(rows) or "-", 16)
+
+
+def _alternatives(fix: Fix) -> Iterator[str]:
+    if fix.alternatives:
+        yield ""
+        yield f"OTHER MINIMA ({len(fix.alternatives)})"
+    for other in fix.alternatives:
+        heading = "" if other.heading_deg is None else f"   heading {words.bearing(other.heading_deg)}"
+        yield f"{words.place(other.position)}{heading}   score {other.score:.2f}{_apart(fix, other.position)}"
+
+
+def _apart(fix: Fix, other: object) -> str:
+    if isinstance(fix.position, PlanePosition) and isinstance(other, PlanePosition):
+        apart_m = math.hypot(other.north_m - fix.position.north_m, other.east_m - fix.position.east_m)
+        return f"   {words.distance(apart_m)} away"
+    return ""
