@@ -25,19 +25,20 @@ def read(path: str) -> Log:
     InputError : nothing readable
     CommandError : readable, but without radar or without AIS (no fix can follow)
     """
+    from navfix.errors import InputError
     from navfix.nmea import read_log
+    from navfix.nmea.log import report_problems
+    from navfix.nmea.records import AisPosition, TargetReport
 
-    log = read_log(sys.stdin.buffer if path == options.STDIN else path)
-    radar, ais = log.counts.get("TTM", 0), log.counts.get("AIVDM", 0)
-    if not radar or not ais:
-        lacking = (
-            "radar targets (TTM) and no AIS (VDM)"
-            if not radar and not ais
-            else "radar targets (TTM)"
-            if not radar
-            else "AIS (VDM)"
-        )
-        raise CommandError(f"{path}: no fix: the log holds no {lacking}", NO_FIX)
+    log = read_log(sys.stdin.buffer if path == options.STDIN else path, report=False)
+    if not log.records:
+        first = f"; {log.problems[0]}" if log.problems else ""
+        raise InputError(f"{path}: nothing readable, expected NMEA sentences{first}", source=path)
+    ais = any(not report.own for report in log.of(AisPosition))
+    lacking = [word for word, there in (("radar targets (TTM)", log.of(TargetReport)), ("AIS (VDM)", ais)) if not there]
+    if lacking:
+        raise CommandError(f"{path}: no fix: the log holds no {' and no '.join(lacking)}", NO_FIX)
+    report_problems(log)
     return log
 
 

@@ -59,10 +59,11 @@ class Log:
         return cast("tuple[R, ...]", self._by_type.get(kind, ()))
 
 
-def read_log(source: str | Path | Iterable[str | bytes], *, name: str | None = None) -> Log:
+def read_log(source: str | Path | Iterable[str | bytes], *, name: str | None = None, report: bool = True) -> Log:
     """Read a file (a path) or the lines of an open one (any iterable of lines).
 
-    What cannot be read is logged as a warning, once for each kind. A text without any sentence gives a log without
+    What cannot be read is logged as a warning, once for each kind, unless ``report`` is False: then the caller calls
+    `report_problems` when he has seen that the log is of use. A text without any sentence gives a log without
     records (``log.sentences`` is 0).
 
     Raises
@@ -78,9 +79,15 @@ def read_log(source: str | Path | Iterable[str | bytes], *, name: str | None = N
         lines = list(source)
     log = _read(lines, name)
     _require_text(log)
-    for problem in log.problems:
-        _logger.warning("%s: %s", name, problem)
+    if report:
+        report_problems(log)
     return log
+
+
+def report_problems(log: Log) -> None:
+    """Log what could not be read as warnings, once for each kind."""
+    for problem in log.problems:
+        _logger.warning("%s: %s", log.name, problem)
 
 
 def _read(lines: list[str | bytes], name: str) -> Log:
