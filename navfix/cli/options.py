@@ -252,8 +252,11 @@ def write_outputs(paths: Sequence[Path], writers: Mapping[str, Callable[[], str]
 
     Raises
     ------
-    CommandError : a file cannot be written
+    CommandError : no writer for a suffix (before anything is written), or a file cannot be written
     """
+    for path in paths:
+        if path.suffix.lower() not in writers:
+            raise CommandError(f"--out {path}: this command cannot write {path.suffix}; it writes {' '.join(writers)}")
     for path in paths:
         text = writers[path.suffix.lower()]()
         try:

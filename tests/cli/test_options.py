@@ -132,3 +132,18 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     folder.mkdir()
     with pytest.raises(CommandError, match="cannot be written"):
         options.write_outputs([folder], {".svg": lambda: "x"})
+
+
+def test_a_format_that_a_command_cannot_write_is_said_before_anything_is_written(tmp_path: Path) -> None:
+    paths = [tmp_path / "a.svg", tmp_path / "a.gpx"]
+    with pytest.raises(CommandError, match=r"cannot write \.gpx; it writes \.svg"):
+        options.write_outputs(paths, {".svg": lambda: "x"})
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_command_can_name_the_formats_it_writes() -> None:
+    parser = argparse.ArgumentParser(exit_on_error=False)
+    options.add_output(parser, (".txt",))
+    assert parser.parse_args(["--out", "a.txt"]).out == [Path("a.txt")]
+    with pytest.raises(argparse.ArgumentError, match=r"one of \.txt"):
+        parser.parse_args(["--out", "a.svg"])
