@@ -81,7 +81,7 @@ class AssociationModel:
     neighbours: int
     clutter_share: list[float]
     detection_level: list[float]
-    clutter_kernel_m: float
+    clutter_kernels_m: list[float]
     far_detection: float
     conspicuity_long: float
     conspicuity_unknown: float

@@ -23,7 +23,9 @@ __all__ = ["answer", "epochs", "fix"]
 GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
 
 
-def fix(epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded") -> Fix:
+def fix(
+    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded"
+) -> Fix:
     """Find own position and heading from one epoch, with no idea of either beforehand.
 
     Parameters

@@ -155,9 +155,12 @@ def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
     count = len(scene.rho)
     uniform = count / (np.pi * scene.radar_range_m**2)
     apart_sq = np.abs(scene.rho[:, None] - scene.rho[None, :]) ** 2
-    kernel = np.exp(-0.5 * apart_sq / model.clutter_kernel_m**2) / (2.0 * np.pi * model.clutter_kernel_m**2)
-    np.fill_diagonal(kernel, 0.0)
-    return np.maximum(uniform, 0.5 * uniform + 0.5 * kernel.sum(axis=1))
+    densest = np.zeros(count)
+    for width_m in model.clutter_kernels_m:
+        kernel = np.exp(-0.5 * apart_sq / width_m**2) / (2.0 * np.pi * width_m**2)
+        np.fill_diagonal(kernel, 0.0)
+        densest = np.maximum(densest, kernel.sum(axis=1))
+    return np.maximum(uniform, 0.5 * uniform + 0.5 * densest)
 
 
 def inside(field: Field, poses: Poses) -> NDArray[np.bool_]:

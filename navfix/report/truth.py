@@ -36,7 +36,11 @@ class TruthTrack:
         reader = csv.DictReader(lines)
         missing = {"unix", "lat", "lon"} - set(reader.fieldnames or ())
         if missing:
-            raise InputError(f"{source}: the header must name unix, lat and lon; missing {', '.join(sorted(missing))}", source=source, line=1)
+            raise InputError(
+                f"{source}: the header must name unix, lat and lon; missing {', '.join(sorted(missing))}",
+                source=source,
+                line=1,
+            )
         rows = sorted((_row(row, source, reader.line_num) for row in reader), key=lambda row: row[0])
         if not rows:
             raise InputError(f"{source}: no rows below the header", source=source)
