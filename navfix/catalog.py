@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from navfix.errors import CatalogError, InputError
 from navfix.kernels import FAMILIES, Kernel
@@ -36,7 +37,7 @@ class RadarModel:
     maximum_range_m: float
     turn_s: float
 
-    def sigma_of_range_m(self, range_m: FloatArray) -> FloatArray:
+    def sigma_of_range_m(self, range_m: ArrayLike) -> FloatArray:
         """Return 1 sigma [m] of each range [m]."""
         return np.maximum(self.range_sigma_m, self.range_sigma_fraction * np.asarray(range_m, dtype=np.float64))
 

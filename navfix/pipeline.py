@@ -44,7 +44,8 @@ def fix(
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
     association = associate(epoch, method=method, radar=radar)
-    return adjust(epoch, association, radar=radar, kernel=kernel)
+    found: Fix = adjust(epoch, association, radar=radar, kernel=kernel)
+    return found
 
 
 def epochs(

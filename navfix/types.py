@@ -30,7 +30,7 @@ def _require(condition: bool, name: str, rule: str, value: object) -> None:
 
 
 def _frozen_array(values: object, dtype: type) -> NDArray[np.generic]:
-    array = np.array(values, dtype=dtype)
+    array: NDArray[np.generic] = np.array(values, dtype=dtype)
     array.setflags(write=False)
     return array
 
@@ -46,8 +46,18 @@ class Position:
     lon_deg: float
 
     def __post_init__(self) -> None:
-        _require(math.isfinite(self.lat_deg) and abs(self.lat_deg) <= 90.0, "lat_deg", "must be within -90 .. 90", self.lat_deg)
-        _require(math.isfinite(self.lon_deg) and abs(self.lon_deg) <= 360.0, "lon_deg", "must be within -360 .. 360", self.lon_deg)
+        _require(
+            math.isfinite(self.lat_deg) and abs(self.lat_deg) <= 90.0,
+            "lat_deg",
+            "must be within -90 .. 90",
+            self.lat_deg,
+        )
+        _require(
+            math.isfinite(self.lon_deg) and abs(self.lon_deg) <= 360.0,
+            "lon_deg",
+            "must be within -360 .. 360",
+            self.lon_deg,
+        )
         object.__setattr__(self, "lat_deg", float(self.lat_deg))
         object.__setattr__(self, "lon_deg", wrap_180(float(self.lon_deg)))
 
@@ -60,7 +70,12 @@ class PlanePosition:
     east_m: float
 
     def __post_init__(self) -> None:
-        _require(math.isfinite(self.north_m) and math.isfinite(self.east_m), "plane position", "must be finite", (self.north_m, self.east_m))
+        _require(
+            math.isfinite(self.north_m) and math.isfinite(self.east_m),
+            "plane position",
+            "must be finite",
+            (self.north_m, self.east_m),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +137,12 @@ class RadarTarget:
         who = f"target {self.label}"
         _require(math.isfinite(self.range_m) and self.range_m > 0.0, f"{who}: range_m", "must be > 0", self.range_m)
         _require(math.isfinite(self.bearing_deg), f"{who}: bearing_deg", "must be finite", self.bearing_deg)
-        _require(self.bearing_reference in ("relative", "true"), f"{who}: bearing_reference", "must be 'relative' or 'true'", self.bearing_reference)
+        _require(
+            self.bearing_reference in ("relative", "true"),
+            f"{who}: bearing_reference",
+            "must be 'relative' or 'true'",
+            self.bearing_reference,
+        )
         for name in ("range_sigma_m", "bearing_sigma_deg"):
             sigma = getattr(self, name)
             _require(sigma is None or (math.isfinite(sigma) and sigma > 0.0), f"{who}: {name}", "must be > 0", sigma)
@@ -153,8 +173,18 @@ class Mark:
     age_s: float | None = None
 
     def __post_init__(self) -> None:
-        _require(math.isfinite(self.sigma_m) and self.sigma_m >= 0.0, f"mark {self.label}: sigma_m", "must be >= 0", self.sigma_m)
-        _require(self.kind in ("ship", "aton", "charted"), f"mark {self.label}: kind", "must be 'ship', 'aton' or 'charted'", self.kind)
+        _require(
+            math.isfinite(self.sigma_m) and self.sigma_m >= 0.0,
+            f"mark {self.label}: sigma_m",
+            "must be >= 0",
+            self.sigma_m,
+        )
+        _require(
+            self.kind in ("ship", "aton", "charted"),
+            f"mark {self.label}: kind",
+            "must be 'ship', 'aton' or 'charted'",
+            self.kind,
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -260,7 +290,12 @@ class Association:
         pairs.setflags(write=False)
         object.__setattr__(self, "pairs", pairs)
         object.__setattr__(self, "probability", _frozen_array(self.probability, np.float64))
-        _require(len(self.pairs) == len(self.probability), "probability", f"must have {len(self.pairs)} entries", len(self.probability))
+        _require(
+            len(self.pairs) == len(self.probability),
+            "probability",
+            f"must have {len(self.pairs)} entries",
+            len(self.probability),
+        )
         for column, word in ((0, "target"), (1, "mark")):
             indices = self.pairs[:, column]
             _require(len(np.unique(indices)) == len(indices), "pairs", f"must name each {word} once", indices.tolist())
@@ -276,7 +311,10 @@ class Association:
         InputError : an index out of range, an unknown or doubled label, a target or mark named twice
         """
         resolved = [
-            (_find(target, [t.label for t in epoch.targets], "target"), _find(mark, [m.label for m in epoch.marks], "mark"))
+            (
+                _find(target, [t.label for t in epoch.targets], "target"),
+                _find(mark, [m.label for m in epoch.marks], "mark"),
+            )
             for target, mark in pairs
         ]
         return cls(pairs=np.array(resolved, dtype=np.int64).reshape(-1, 2), probability=np.ones(len(resolved)))
@@ -286,7 +324,9 @@ def _find(key: int | str, labels: Sequence[str], word: str) -> int:
     if isinstance(key, str):
         hits = [index for index, label in enumerate(labels) if label == key]
         if len(hits) != 1:
-            raise InputError(f"{word} {key!r}: {'unknown' if not hits else 'more than one has this label'}; labels are {', '.join(labels[:20])}")
+            raise InputError(
+                f"{word} {key!r}: {'unknown' if not hits else 'more than one has this label'}; labels are {', '.join(labels[:20])}"
+            )
         return hits[0]
     if not 0 <= int(key) < len(labels):
         raise InputError(f"{word} index {key} is out of range: there are {len(labels)} {word}s")
@@ -306,7 +346,9 @@ class Ellipse:
     probability: float
 
     @classmethod
-    def from_covariance(cls, covariance_m2: FloatArray, probability: float = 0.95, *, dof: float | None = None) -> Ellipse:
+    def from_covariance(
+        cls, covariance_m2: FloatArray, probability: float = 0.95, *, dof: float | None = None
+    ) -> Ellipse:
         """Make the ellipse of a (2, 2) covariance in (north, east).
 
         Without ``dof`` the covariance is known a priori: radius^2 = -2 ln(1 - P), the chi-square quantile.

@@ -1,4 +1,4 @@
-"""Steps 5 and 6 in judgement: which poses are distinct answers, how far ahead the best is, and whether that is enough."""
+"""Judgement of steps 5 and 6: which poses are distinct answers, and how far the best is ahead of the next."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from navfix.association.evidence import Judged
 from navfix.catalog import AssociationModel
-from navfix.types import FloatArray
+from navfix.types import IntArray
 from navfix.units import wrap_pi
 
 
@@ -54,7 +54,7 @@ def probability_wrong(evidence: float, ahead: float, model: AssociationModel) ->
     return float(min(1.0, rival + accident))
 
 
-def contenders(judged: Judged, within: float) -> FloatArray:
+def contenders(judged: Judged, within: float) -> IntArray:
     """Return the rows of every answer within ``within`` nats of the best, best first."""
-    rows: FloatArray = np.flatnonzero(judged.score >= judged.score[0] - within)
+    rows: IntArray = np.flatnonzero(judged.score >= judged.score[0] - within)
     return rows

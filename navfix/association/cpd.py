@@ -55,15 +55,16 @@ def register(
     translation = complex(np.mean(x) - rotation * np.mean(y))
     sigma_sq = float(np.mean(np.abs(x[None, :] - (rotation * y + translation)[:, None]) ** 2)) / 2.0  # Fig. 2, start
     correspondence = np.zeros((len(y), len(x)))
-    iteration = 0
-    for iteration in range(1, most_iterations + 1):
+    iterations = 0
+    while iterations < most_iterations:
+        iterations += 1
         correspondence = expectation(x, rotation * y + translation, sigma_sq, outlier_share)
         rotation, translation, updated_sq = maximisation(x, y, correspondence)
         settled = abs(np.log(updated_sq / sigma_sq)) < tolerance
         sigma_sq = updated_sq
         if settled or sigma_sq <= 1e-12:
             break
-    return Registration(rotation, translation, float(np.sqrt(sigma_sq)), correspondence, iteration)
+    return Registration(rotation, translation, float(np.sqrt(sigma_sq)), correspondence, iterations)
 
 
 def expectation(x: ComplexArray, moved: ComplexArray, sigma_sq: float, outlier_share: float) -> FloatArray:

@@ -63,7 +63,8 @@ class Fit:
     def log_density(self, widening: float = 1.0) -> FloatArray:
         """Return the logarithm of the normal density per m^2 (k, m, q), sigmas multiplied by ``widening``."""
         log_det = np.log(self.radial_m2 * self.tangential_m2) + 4.0 * np.log(widening)
-        return -0.5 * (self.distance_sq / widening**2 + log_det) - np.log(2.0 * np.pi)
+        log_density: FloatArray = -0.5 * (self.distance_sq / widening**2 + log_det) - np.log(2.0 * np.pi)
+        return log_density
 
 
 def lay_over(field: Field, poses: Poses) -> Fit:
@@ -89,7 +90,8 @@ def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0
     """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (A5) of the theory."""
     scene = field.scene
     pd = level * field.detection(scene.range_m[None, :, None], scene.conspicuity[fit.mark])
-    return pd / (1.0 - pd) * np.exp(fit.log_density(widening)) / field.clutter_per_m2[None, :, None]
+    ratio: FloatArray = pd / (1.0 - pd) * np.exp(fit.log_density(widening)) / field.clutter_per_m2[None, :, None]
+    return ratio
 
 
 def refine(field: Field, poses: Poses) -> tuple[Poses, FloatArray]:

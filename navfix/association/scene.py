@@ -84,7 +84,7 @@ def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
     plane = cloud_to_plane(origin, lat_deg, lon_deg)
     return Scene(
         origin=origin,
-        rho=range_m * np.exp(1j * bearing_rad),
+        rho=np.asarray(range_m * np.exp(1j * bearing_rad), dtype=np.complex128),
         range_m=range_m,
         bearing_rad=bearing_rad,
         range_sigma_m=range_sigma_m,

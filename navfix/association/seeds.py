@@ -80,7 +80,7 @@ def seeds(scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationM
     """Return the poses that most of the radar pairs vote for, at most ``model.seeds`` from each of two grids."""
     p, heading_rad = votes(scene, index, pairs, model)
     if len(p) == 0:
-        return Poses(np.empty(0, complex), np.empty(0))
+        return Poses(np.empty(0, np.complex128), np.empty(0))
     return Poses.join(*(_fullest_cells(p, heading_rad, model, shift) for shift in (0.0, 0.5)))
 
 
@@ -150,6 +150,6 @@ def _cell_means(p: ComplexArray, heading_rad: FloatArray, bucket: IntArray, cell
     starts = np.flatnonzero(np.concatenate([[True], steps]))
     size = np.diff(np.concatenate([starts, [len(order)]]))
     top = np.argsort(-size, kind="stable")[: int(bucket.max()) + 1]
-    mean_p = np.add.reduceat(p[order], starts) / size
+    mean_p = np.asarray(np.add.reduceat(p[order], starts) / size, dtype=np.complex128)
     mean_turn = np.add.reduceat(np.exp(1j * heading_rad[order]), starts)
     return Poses(mean_p[top], np.angle(mean_turn[top]))

@@ -11,7 +11,7 @@ from navfix.cli.errors import OK
 
 if TYPE_CHECKING:
     from navfix.comparison import Row
-    from navfix.report.truth import Truth
+    from navfix.report.answer import Truth
     from navfix.types import Epoch
 
 

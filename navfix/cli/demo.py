@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from navfix.cli import options, solving
+from navfix.cli import solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 LOG = "approach.nmea"
@@ -44,6 +44,6 @@ def run(args: argparse.Namespace) -> int:
         FOLDER.mkdir(exist_ok=True)
     except OSError as error:
         raise CommandError(f"./{FOLDER}: cannot be made: {error.strerror}") from error
-    options.write_outputs(paths, {path.suffix: lambda path=path: render(answer, path.suffix) for path in paths})
+    solving.write_files(answer, paths)
     print(f"\nWritten: {', '.join(str(path) for path in paths)}")
     return OK if answer.fix is not None else NO_FIX

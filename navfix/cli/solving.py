@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfix.cli import options
@@ -91,11 +93,14 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
 
 def write(answer: Answer, args: argparse.Namespace) -> None:
     """Write the answer to every --out."""
+    write_files(answer, args.out)
+
+
+def write_files(answer: Answer, paths: Sequence[Path]) -> None:
+    """Write the answer to every path, in the format of its suffix."""
     from navfix.report.writers import render
 
-    options.write_outputs(
-        args.out, {suffix: lambda suffix=suffix: render(answer, suffix) for suffix in options.OUT_SUFFIXES}
-    )
+    options.write_outputs(paths, {suffix: partial(render, answer, suffix) for suffix in options.OUT_SUFFIXES})
 
 
 def refuse(args: argparse.Namespace, names: Iterable[str]) -> None:

@@ -91,7 +91,7 @@ class ScanBuilder:
 
 
 def report_time(report: TargetReport) -> float | None:
-    """Return when a target was measured [POSIX s]: the sentence's own UTC where it agrees with the reception, else that."""
+    """Return when a target was measured [POSIX s]: the sentence's own UTC where it agrees with the reception."""
     if report.time_s is None or report.utc_of_day_s is None:
         return report.time_s
     late_s = (report.time_s - report.utc_of_day_s + DAY_S / 2.0) % DAY_S - DAY_S / 2.0

@@ -1,4 +1,4 @@
-"""The AIS picture: the newest report and the static data of every station, and the marks that they give at an instant."""
+"""The AIS picture: newest report and static data of every station, and the marks that they give at an instant."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Traffic:
             self._merge_static(record)
         elif record.time_s is not None:
             previous = self._stations.get(record.mmsi)
-            position_time_s = position_time(record)
+            position_time_s = position_time(record.time_s, record.utc_second)
             if previous is None or position_time_s >= previous.position_time_s:
                 self._stations[record.mmsi] = Station(record, position_time_s)
 
@@ -93,6 +93,9 @@ class Traffic:
             return None
         hull = report.hull or (static.hull if static else None)
         heading_deg = _heading(report)
+        if report.lat_deg is None or report.lon_deg is None:
+            return None
+        reported = Position(report.lat_deg, report.lon_deg)
         step = carry(0.0 if still else report.speed_mps, report.course_deg, age_s, model)
         shift = hull_shift(hull, heading_deg, _unknown_hull_sigma(report, model))
         base_m = model.accurate_sigma_m if report.accurate else model.default_sigma_m
@@ -102,7 +105,7 @@ class Traffic:
         aton = report.kind == "aton"
         return Mark(
             label=str(mmsi),
-            position=_step(report, step.north_m + shift.north_m, step.east_m + shift.east_m),
+            position=_step(reported, step.north_m + shift.north_m, step.east_m + shift.east_m),
             sigma_m=sigma_m,
             kind="aton" if aton else "ship",
             mmsi=mmsi,
@@ -113,20 +116,19 @@ class Traffic:
             hull=hull,
             name=report.name or (static.name if static else None),
             ais_class=report.ais_class,
-            ship_type=report.ship_type if report.ship_type is not None else (static.ship_type if static else None),
+            ship_type=_ship_type(report, static),
             age_s=age_s,
         )
 
 
-def position_time(report: AisPosition) -> float:
-    """Return when a reported position held [POSIX s]: its second of the minute, where reception makes that plausible."""
-    assert report.time_s is not None
-    if report.utc_second is None:
-        return report.time_s
-    age_s = (report.time_s - report.utc_second) % 60.0
+def position_time(received_s: float, utc_second: int | None) -> float:
+    """Return when a position held [POSIX s]: its own second of the minute, where the reception makes that plausible."""
+    if utc_second is None:
+        return received_s
+    age_s = (received_s - utc_second) % 60.0
     if age_s > 45.0:
         age_s -= 60.0  # the receiver's clock is a little slow
-    return report.time_s - age_s if -5.0 <= age_s <= 15.0 else report.time_s
+    return received_s - age_s if -5.0 <= age_s <= 15.0 else received_s
 
 
 def is_still(report: AisPosition) -> bool:
@@ -147,6 +149,12 @@ def _unknown_hull_sigma(report: AisPosition, model: AisModel) -> float:
     return 0.0 if report.kind == "aton" else model.unknown_hull_sigma_m
 
 
+def _ship_type(report: AisPosition, static: AisStatic | None) -> int | None:
+    if report.ship_type is not None:
+        return report.ship_type
+    return static.ship_type if static else None
+
+
 def _heading(report: AisPosition) -> float | None:
     if report.heading_deg is not None:
         return report.heading_deg
@@ -154,9 +162,6 @@ def _heading(report: AisPosition) -> float | None:
     return report.course_deg if steering else None
 
 
-def _step(report: AisPosition, north_m: float, east_m: float) -> Position:
-    assert report.lat_deg is not None
-    assert report.lon_deg is not None
-    start = Position(report.lat_deg, report.lon_deg)
+def _step(start: Position, north_m: float, east_m: float) -> Position:
     distance_m = math.hypot(north_m, east_m)
     return direct(start, math.degrees(math.atan2(east_m, north_m)), distance_m) if distance_m > 0.01 else start

@@ -27,7 +27,7 @@ class TruthTrack:
 
     @classmethod
     def parse(cls, lines: Iterable[str], *, source: str = "truth") -> TruthTrack:
-        """Read a truth CSV; the header names the columns, ``heading`` is read as ``heading_deg``, others are passed over.
+        """Read a truth CSV: the header names the columns, ``heading`` is read too, others are passed over.
 
         Raises
         ------
@@ -48,7 +48,7 @@ class TruthTrack:
         return cls(times_s, positions, headings_deg)
 
     def at(self, time_s: float) -> Truth | None:
-        """Return the place and heading at an instant, on the geodesic between its rows; None outside or in a long gap."""
+        """Return place and heading at an instant, on the geodesic between its rows; None outside or in a gap."""
         after = bisect_left(self.times_s, time_s)
         if after == len(self.times_s) or (after == 0 and self.times_s[0] != time_s):
             return None

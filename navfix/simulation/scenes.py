@@ -1,4 +1,4 @@
-"""Seeded scenes of one instant, for the association: targets and marks with the true pose, pairs and predicted evidence.
+"""Seeded scenes of one instant, for the association: targets and marks, true pose and pairs, predicted evidence.
 
 A scene needs no sentences: it is what a perfect picture of one radar turn would hold. Layouts: uniform traffic,
 anchorages, lanes, a buoyed channel. Echoes without AIS (clutter), AIS positions that are false one by one or shifted
@@ -101,10 +101,8 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
         plane.to_position(own.real, own.imag),
         math.degrees(heading_rad),
         pairs,
-        np.linalg.inv(information) if len(right) >= 2 else None,
-        predicted_evidence(
-            recipe, polar[right], sigma_m[right], sigma_rad, information, len(echoes), int(len(visible))
-        ),
+        np.linalg.inv(information).astype(np.float64) if len(right) >= 2 else None,
+        predicted_evidence(recipe, polar[right], sigma_m[right], sigma_rad, information, len(echoes), len(visible)),
     )
 
 
@@ -137,7 +135,8 @@ def predicted_evidence(
 
 
 def _in_disc(random: np.random.Generator, count: int, radius_m: float) -> NDArray[np.complex128]:
-    return radius_m * np.sqrt(random.uniform(size=count)) * np.exp(2j * math.pi * random.uniform(size=count))
+    radius = radius_m * np.sqrt(random.uniform(size=count))
+    return np.asarray(radius * np.exp(2j * math.pi * random.uniform(size=count)), dtype=np.complex128)
 
 
 def _lay_out(random: np.random.Generator, recipe: SceneRecipe, radius_m: float) -> NDArray[np.complex128]:

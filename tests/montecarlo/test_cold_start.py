@@ -1,4 +1,4 @@
-"""Cold start: no heading, no position. Easy scenes are solved from every heading; scenes without an answer are refused."""
+"""Cold start, no heading and no position: easy scenes are solved, scenes without an answer refused."""
 
 import numpy as np
 import pytest

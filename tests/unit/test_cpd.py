@@ -63,7 +63,7 @@ def test_a_mirror_image_is_not_a_rotation():
 
 
 def test_a_single_start_fails_beyond_its_basin_and_eight_starts_do_not():
-    """The rotation weakness: some turn between 90 and 180 deg ends in a wrong optimum; starts 45 deg apart reach all."""
+    """The rotation weakness: some turns beyond 90 deg end in a wrong optimum; starts 45 deg apart reach all."""
     y = cloud(7)
     turns = np.radians(np.arange(90.0, 271.0, 10.0))
     single = [
