@@ -1,4 +1,4 @@
-"""Records made by hand for tests: a plausible epoch, its fix, and answers of every sort (seeded, no solver involved)."""
+"""Records made by hand for tests: a plausible epoch, its fix, and answers of every sort (seeded, no solver)."""
 
 from __future__ import annotations
 
@@ -225,9 +225,19 @@ def every_fix() -> dict[str, Answer]:
     """Return fixes with everything, with the optional parts missing, and in odd places."""
     full = make_fix()
     bare = Fix(
-        full.position, full.heading_deg, full.covariance, 1.0, 3, full.observations[:6], None, None, full.cofactor_matrix,
-        "a_priori", math.inf, "none",
-    )  # fmt: skip
+        full.position,
+        full.heading_deg,
+        full.covariance,
+        1.0,
+        3,
+        full.observations[:6],
+        None,
+        None,
+        full.cofactor_matrix,
+        "a_priori",
+        math.inf,
+        "none",
+    )
     crowd = make_epoch(targets=120, marks=300, unmatched=20, wrong=(4, 17, 60))
     return {
         "full": make_answer(),
@@ -245,13 +255,31 @@ def with_alternatives(fix: Fix) -> Fix:
     old = fix.association
     assert old is not None
     association = Association(
-        old.pairs, old.probability, old.position, old.heading_deg, old.covariance, 21.0, 9.1, 0.0017, make_alternatives(2),
+        old.pairs,
+        old.probability,
+        old.position,
+        old.heading_deg,
+        old.covariance,
+        21.0,
+        9.1,
+        0.0017,
+        make_alternatives(2),
         SecondGroup(820.0, 45.0, ("02", "05", "09")),
-    )  # fmt: skip
+    )
     return Fix(
-        fix.position, fix.heading_deg, fix.covariance, fix.sigma0, fix.redundancy, fix.observations, association, fix.epoch,
-        fix.cofactor_matrix, fix.covariance_scaling, fix.dof, fix.kernel,
-    )  # fmt: skip
+        fix.position,
+        fix.heading_deg,
+        fix.covariance,
+        fix.sigma0,
+        fix.redundancy,
+        fix.observations,
+        association,
+        fix.epoch,
+        fix.cofactor_matrix,
+        fix.covariance_scaling,
+        fix.dof,
+        fix.kernel,
+    )
 
 
 def make_plane_fix() -> Fix:
@@ -274,6 +302,17 @@ def make_plane_fix() -> Fix:
     )
     cofactors = np.array([[0.2, 0.05], [0.05, 0.1]])
     return Fix(
-        PlanePosition(1234.5678, -88.25), None, cofactors, 1.0, 1, observations, None, None, cofactors, "a_priori", 1.0, "none",
+        PlanePosition(1234.5678, -88.25),
+        None,
+        cofactors,
+        1.0,
+        1,
+        observations,
+        None,
+        None,
+        cofactors,
+        "a_priori",
+        1.0,
+        "none",
         alternatives=(Alternative(PlanePosition(900.0, 10.0), None, -3.0),),
-    )  # fmt: skip
+    )

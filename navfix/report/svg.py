@@ -288,27 +288,29 @@ def _ellipse_sample(parent: ET.Element, x: float, y: float) -> None:
 
 def _georeference(root: ET.Element, answer: Answer, scene: Scene, view: View) -> None:
     """Write the projection, the scale and the map's corners into ``<metadata>``."""
-    metadata = add(root, "metadata")
-    reference = add(
-        metadata,
-        "georeference",
-        xmlns=NAMESPACE,
-        time=iso_utc(answer.time_utc),
-        metresPerUnit=f"{1.0 / view.units_per_m:.9g}",
-    )
-    x, y = view.point(0.0, 0.0)
-    origin = {name: repr(value) for name, value in _place_names(scene, 0.0, 0.0).items()}
-    add(reference, "origin", x=f"{x:.4f}", y=f"{y:.4f}", **origin)
+    scale = {"xmlns": NAMESPACE, "metresPerUnit": f"{1.0 / view.units_per_m:.9g}"}
+    time = iso_utc(answer.time_utc)
+    reference = ET.SubElement(add(root, "metadata"), "georeference", scale | ({} if time is None else {"time": time}))
+    ET.SubElement(reference, "projection").text = _projection(scene)
+    _located(reference, "origin", scene, view, view.point(0.0, 0.0))
+    for name, corner in _corners().items():
+        _located(reference, "corner", scene, view, corner).set("name", name)
+
+
+def _projection(scene: Scene) -> str:
     if isinstance(scene.origin, Position):
-        add(reference, "projection", "azimuthal equidistant about the origin, WGS 84, north up")
-    elif isinstance(scene.origin, PlanePosition):
-        add(reference, "projection", "plane, north up")
-    else:
-        up = "the radar's zero mark up" if scene.head_up else "north up"
-        add(reference, "projection", f"range and bearing from own ship, {up}; own ship's place is unknown")
-    for name, (corner_x, corner_y) in _corners().items():
-        place = {key: repr(value) for key, value in _place_names(scene, *view.metres(corner_x, corner_y)).items()}
-        add(reference, "corner", name=name, x=f"{corner_x:.1f}", y=f"{corner_y:.1f}", **place)
+        return "azimuthal equidistant about the origin, WGS 84, north up"
+    if isinstance(scene.origin, PlanePosition):
+        return "plane, north up"
+    up = "the radar's zero mark up" if scene.head_up else "north up"
+    return f"range and bearing from own ship, {up}; own ship's place is unknown"
+
+
+def _located(parent: ET.Element, tag: str, scene: Scene, view: View, point: tuple[float, float]) -> ET.Element:
+    """Add an element with a point of the picture and its place."""
+    place = _place_names(scene, *view.metres(*point))
+    where = {"x": f"{point[0]:.6f}", "y": f"{point[1]:.6f}"} | {name: repr(value) for name, value in place.items()}
+    return ET.SubElement(parent, tag, where)
 
 
 def _corners() -> dict[str, tuple[float, float]]:

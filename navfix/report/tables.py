@@ -80,7 +80,12 @@ def number(value: float, width: int, decimals: int, *, sign: bool = False) -> st
     return f"{value:{plus}.0e}".replace("e+0", "e").replace("e+", "e")
 
 
+def printable(text: str) -> str:
+    """Return the text with a blank for every control character (names come over the air)."""
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
 def clipped(text: str, width: int) -> str:
-    """Return the text, its end replaced by an ellipsis where it is longer than ``width``."""
-    printable = "".join(letter if letter.isprintable() else " " for letter in text)
-    return printable if len(printable) <= width else printable[: width - 1] + "…"
+    """Return the printable text, its end replaced by an ellipsis where it is longer than ``width``."""
+    shown = printable(text)
+    return shown if len(shown) <= width else shown[: width - 1] + "…"

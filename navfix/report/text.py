@@ -13,7 +13,7 @@ from navfix.geodesy import inverse
 from navfix.report import words
 from navfix.report.answer import Answer
 from navfix.report.rows import PairRow, pair_rows, unmatched_indices
-from navfix.report.tables import residual_table
+from navfix.report.tables import printable, residual_table
 from navfix.types import Alternative, Epoch, Fix, GnssVerdict, MeanFix, PlanePosition, Position, RadarTarget
 from navfix.units import NM_M
 
@@ -26,7 +26,7 @@ _GNSS_WORDS = {"ok": "OK", "caution": "CAUTION", "unsafe": "UNSAFE", "not_availa
 def report_text(answer: Answer) -> str:
     """Return the whole report, at most 100 columns wide, ending in a line feed."""
     lines = fix_lines(answer, answer.fix) if answer.fix is not None else no_fix_lines(answer)
-    return "\n".join(line.rstrip() for line in lines) + "\n"
+    return "\n".join(printable(line).rstrip() for line in lines) + "\n"
 
 
 # ------------------------------------------------------------------------------------------------------------- a fix
@@ -179,12 +179,13 @@ def outlier_words(row: PairRow) -> str:
 
 def _quality(fix: Fix) -> Iterator[str]:
     scaling = "from the residuals" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
-    yield f"sigma0 {fix.sigma0:.3f}   redundancy {fix.redundancy}   kernel {fix.kernel}   covariance {scaling}"
+    sigma0 = f"sigma0 {fix.sigma0:.3f}   redundancy {fix.redundancy}"
+    yield from _wrapped(f"{sigma0}   kernel {fix.kernel}   covariance {scaling}", indent=2)
     test = fix.global_test
     if test is not None:
         word = "passed" if test.passed else "FAILED: the sigmas are too small or errors remain"
         limit = f"limit {test.threshold:.1f} at {test.dof:.1f} degrees of freedom"
-        yield f"global test: {test.statistic:.1f}, {limit}: {word}"
+        yield from _wrapped(f"global test: {test.statistic:.1f}, {limit}: {word}", indent=2)
 
 
 def _unmatched(fix: Fix) -> Iterator[str]:
