@@ -178,7 +178,7 @@ def _obstacles(scene: Scene, view: View) -> list[Box]:
 def _write_labels(parent: ET.Element, answer: Answer, scene: Scene, view: View, labels: Labels) -> None:
     """Write the labels, what matters most first: what finds no room is left out, outliers never are."""
     x, y = view.point(0.0, 0.0)
-    labels.put(parent, x, y, "OWN SHIP", fill=OWN, must=True, clear=8.0, font_weight="bold")
+    labels.put(parent, x, y, "OWN SHIP", fill=OWN, must=True, clear=13.0, font_weight="bold")
     captions = {stick.row.mark_label: stick for stick in scene.sticks}
     ordered = sorted(scene.marks, key=lambda mark: ("outlier", "matched", "unmatched").index(mark.status))
     for place in scene.places:
