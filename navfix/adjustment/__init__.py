@@ -6,12 +6,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from navfix.adjustment.adjust import adjust
+    from navfix.adjustment.epoch import adjust
     from navfix.adjustment.mean import mean_fix
 
 __all__ = ["adjust", "mean_fix"]
 
-_HOME = {"adjust": "navfix.adjustment.adjust", "mean_fix": "navfix.adjustment.mean"}
+_HOME = {"adjust": "navfix.adjustment.epoch", "mean_fix": "navfix.adjustment.mean"}
 
 
 def __getattr__(name: str) -> Any:

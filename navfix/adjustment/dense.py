@@ -13,6 +13,8 @@ import numpy as np
 from navfix.adjustment.network import (
     Damping,
     Network,
+    back_to_units,
+    curvature,
     jacobian,
     prior_residual,
     residuals,
@@ -26,6 +28,7 @@ from navfix.kernels import Kernel
 from navfix.types import FloatArray, IntArray
 
 _SMALLEST_MU, _LARGEST_MU = 1e-9, 1e12
+_FLATTEST = 1e-9  # smallest curvature, in units of that of one sigma
 _FLOOR = np.array([1e-15, 1e-15, 1e-9])  # keeps the step defined where nothing depends on an unknown
 
 
@@ -92,31 +95,67 @@ def _iterate(
     factor = whitener(network, a, damping)
     v_white, a_white = whiten(network, factor, residuals(network, pose)[..., None])[..., 0], whiten(network, factor, a)
     weights = _weights(network, kernel, damping, v_white)
-    step, length = _step(network, a_white, weights, v_white, pose, mu)
+    gradient = _gradient(network, a_white, weights * v_white, pose)
+    matrix = normal_matrix(network, a_white, weights)
+    newton = _second_order(network, kernel, damping, pose, factor, a_white, v_white, weights, matrix)
+    step, length = _step(network, matrix, newton, gradient, mu)
     tried = pose + step
     v_tried = whiten(network, factor, residuals(network, tried)[..., None])[..., 0]
     before = _loss(network, kernel, damping, v_white, prior_residual(network, pose))
     after = _loss(network, kernel, damping, v_tried, prior_residual(network, tried))
-    better = after <= before * (1.0 + 1e-14)
+    better = after <= before * (1.0 + 1e-13)
     mu = np.where(better, np.maximum(mu * 0.1, _SMALLEST_MU), np.maximum(mu * 10.0, 1e-3))
-    return np.where(better[:, None], tried, pose), mu, np.where(better | (length < 1e-7), length, np.inf)
+    return np.where(better[:, None], tried, pose), mu, np.where(better | (length < 1e-6), length, np.inf)
+
+
+def _gradient(network: Network, a_white: FloatArray, damped_v: FloatArray, pose: FloatArray) -> FloatArray:
+    """Return A'Wv (s, 3), the slope of the total loss."""
+    gradient: FloatArray = (damped_v[..., None, :] @ a_white)[..., 0, :]
+    if network.prior_counts and network.heading_prior_rad is not None:
+        gradient[..., 2] += prior_residual(network, pose) / network.heading_prior_rad[1]
+    return gradient
 
 
 def _step(
-    network: Network, a_white: FloatArray, weights: FloatArray, v_white: FloatArray, pose: FloatArray, mu: FloatArray
+    network: Network, matrix: FloatArray, newton: FloatArray, gradient: FloatArray, mu: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Solve (A'WA + mu D) dx = -A'Wv; return dx (s, 3) and its length sqrt(g'dx), the decrement in sigma."""
+    """Solve (H + mu D) dx = -A'Wv; return dx (s, 3) and its length sqrt(-g'dx), the decrement in sigma.
+
+    H is the full second derivative of the loss with the absolute values of its eigenvalues (a direction that curves
+    down is descended, not climbed), D the diagonal of A'WA: converges quadratically, also with large residuals.
+    """
     u = network.unknowns
-    gradient = ((weights * v_white)[..., None, :] @ a_white)[..., 0, :]
-    if network.prior_counts and network.heading_prior_rad is not None:
-        gradient[..., 2] += prior_residual(network, pose) / network.heading_prior_rad[1]
-    matrix = normal_matrix(network, a_white, weights)[..., :u, :u]
-    diagonal = np.diagonal(matrix, axis1=-2, axis2=-1) + _FLOOR[:u]
-    damped = matrix + (mu[:, None] * diagonal)[..., None] * np.eye(u)
-    step = np.zeros_like(pose)
-    step[..., :u] = -np.linalg.solve(damped, gradient[..., :u, None])[..., 0]
-    length = np.sqrt(np.maximum(-np.sum(gradient[..., :u] * step[..., :u], axis=-1), 0.0))
-    return step, length
+    scale = 1.0 / np.sqrt(np.diagonal(matrix, axis1=-2, axis2=-1)[..., :u] + _FLOOR[:u])
+    values, vectors = np.linalg.eigh(newton[..., :u, :u] * scale[..., :, None] * scale[..., None, :])
+    values = np.maximum(np.abs(values), _FLATTEST) + mu[:, None]
+    along = (np.swapaxes(vectors, -1, -2) @ (scale * gradient[..., :u])[..., None])[..., 0]
+    step = np.zeros((*gradient.shape[:-1], 3))
+    step[..., :u] = -scale * (vectors @ (along / values)[..., None])[..., 0]
+    return step, np.sqrt(np.sum(along**2 / values, axis=-1))
+
+
+def _second_order(
+    network: Network,
+    kernel: Kernel,
+    damping: Damping,
+    pose: FloatArray,
+    factor: FloatArray,
+    a_white: FloatArray,
+    v_white: FloatArray,
+    weights: FloatArray,
+    matrix: FloatArray,
+) -> FloatArray:
+    """Return A'WA plus the curvature of the observations and that of the kernel, (s, 3, 3)."""
+    full = matrix.copy()
+    full[..., :2, :2] += curvature(network, pose, back_to_units(network, factor, weights * v_white))
+    if kernel.family == "none":
+        return full
+    slopes = a_white * v_white[..., None]
+    if damping == "joint":
+        used = network.blocks >= 0
+        slopes = np.where(used[..., None], slopes[..., network.blocks, :], 0.0).sum(axis=-2)
+    bend = _bend(network, kernel, damping, v_white)
+    return full + np.swapaxes(slopes * bend[..., None], -1, -2) @ slopes
 
 
 # ---------------------------------------------------------------------------------------- the kernel over a network
@@ -147,6 +186,22 @@ def _weights(network: Network, kernel: Kernel, damping: Damping, v_white: FloatA
     joint = kernel.weight(z / stretch, "joint")
     per_target = joint if sizes.min(initial=2) > 1 else _mixed(sizes, kernel.weight(z), joint)
     return spread_to_observations(network, per_target)
+
+
+def _bend(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray) -> FloatArray:
+    """Return (psi' - w) / z^2 of each target (joint) or observation (separate): d w / d z / z, by differences."""
+    sizes, stretch = _stretch(network)
+    z = target_norms(network, v_white) / stretch if damping == "joint" else np.abs(v_white)
+    z = np.maximum(z, 1e-3)
+    bend = _weight_slope(kernel, damping, z) / z
+    if damping == "separate":
+        return bend * network.mask
+    bend = bend / stretch**2
+    return bend if sizes.min(initial=2) > 1 else _mixed(sizes, _weight_slope(kernel, "separate", z) / z, bend)
+
+
+def _weight_slope(kernel: Kernel, damping: Damping, z: FloatArray) -> FloatArray:
+    return (kernel.weight(z + 1e-5, damping) - kernel.weight(z - 1e-5, damping)) / 2e-5
 
 
 def _mixed(sizes: IntArray, single: FloatArray, joint: FloatArray) -> FloatArray:

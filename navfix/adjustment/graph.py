@@ -212,8 +212,8 @@ def _robust(kernel: Kernel, damping: Damping, stretch: float) -> Callable[[Any],
     if kernel.family == "none":
         return lambda noise: noise
     estimator = gtsam.noiseModel.mEstimator.Custom.Create(
-        weight=lambda z: float(kernel.weight(abs(z) / stretch, damping)),
-        loss=lambda z: float(kernel.loss(abs(z) / stretch, damping)) * stretch**2,
+        weight=lambda z: float(kernel.weight(abs(float(z)) / stretch, damping)),
+        loss=lambda z: float(kernel.loss(abs(float(z)) / stretch, damping)) * stretch**2,
         reweight=gtsam.noiseModel.mEstimator.Base.ReweightScheme.Block,
         name=kernel.name,
     )

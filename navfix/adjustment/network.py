@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from navfix.errors import InputError
-from navfix.kernels import Damping
+from navfix.kernels import Damping as Damping
 from navfix.types import FloatArray, IntArray, ObservationKind
 from navfix.units import wrap_pi
 
@@ -217,6 +217,23 @@ def jacobian(network: Network, pose: FloatArray) -> FloatArray:
     return np.stack([d_north, d_east, d_heading], axis=-1)
 
 
+def curvature(network: Network, pose: FloatArray, factor: FloatArray) -> FloatArray:
+    """Return the sum of ``factor`` (..., m) times d^2 prediction / d (north, east)^2, (..., 2, 2).
+
+    The heading enters linearly. What the Gauss-Newton method leaves out: it matters where residuals are large.
+    """
+    north, east, distance = _offsets(network, pose)
+    squared = distance**2
+    is_range = network.kind == RANGE
+    by_range = np.where(is_range, factor / (squared * distance), 0.0)
+    by_bearing = np.where(is_range, 0.0, factor / squared**2)
+    both = 2.0 * north * east * by_bearing
+    h_nn = np.sum(by_range * east**2 + both, axis=-1)
+    h_ee = np.sum(by_range * north**2 - both, axis=-1)
+    h_ne = np.sum(by_bearing * (east**2 - north**2) - by_range * north * east, axis=-1)
+    return np.stack([np.stack([h_nn, h_ne], axis=-1), np.stack([h_ne, h_ee], axis=-1)], axis=-1)
+
+
 def effective_sigma(network: Network, jacobian_: FloatArray) -> FloatArray:
     """Return 1 sigma of each observation, instrument and mark combined, (..., m).
 
@@ -251,6 +268,17 @@ def whiten(network: Network, whitener_: FloatArray, columns: FloatArray) -> Floa
     padded = np.where(used[..., None], columns[..., network.blocks, :], 0.0)
     result = np.zeros_like(columns)
     result[..., network.blocks[used], :] = (whitener_ @ padded)[..., used, :]
+    return result
+
+
+def back_to_units(network: Network, whitener_: FloatArray, white: FloatArray) -> FloatArray:
+    """Return the transposed whitener times ``white`` (..., m): derivatives by the observations in their own units."""
+    if whitener_.ndim == white.ndim:
+        return white * whitener_
+    used = network.blocks >= 0
+    padded = np.where(used, white[..., network.blocks], 0.0)
+    result = np.zeros_like(white)
+    result[..., network.blocks[used]] = (np.swapaxes(whitener_, -1, -2) @ padded[..., None])[..., used, 0]
     return result
 
 

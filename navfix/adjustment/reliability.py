@@ -1,0 +1,183 @@
+"""What an adjustment is worth: sigma0, covariance, redundancy numbers, tests, detectable errors and their effect."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.adjustment.network import (
+    Damping,
+    Network,
+    back_to_units,
+    effective_sigma,
+    jacobian,
+    prior_residual,
+    residuals,
+    whitened,
+    whitener,
+)
+from navfix.types import CovarianceScaling, FloatArray, GlobalTest
+
+DELTA0 = 4.1321  # Baarda: bias of a standardised residual found with power .80 by a test at alpha .001
+SIGNIFICANCE = 0.001  # of a single standardised residual; |w| beyond 3.2905 is conspicuous
+GLOBAL_SIGNIFICANCE = 0.05
+FEWEST_DOF = 3.0  # with fewer, sigma0 says too little about the noise and the a priori one is kept
+_NO_REDUNDANCY = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quality:
+    """The quality of one solution; arrays (m,) follow the observations, in m and rad.
+
+    ``testable`` is False where the redundancy number is zero: there ``standardized`` is 0 and ``mdb`` and
+    ``external_m`` are infinite. ``external_m`` is how far an error of the size of the MDB shifts the position.
+    ``prior_standardized`` is the heading prior's own standardised residual (0 without one).
+    """
+
+    residual: FloatArray
+    sigma: FloatArray
+    redundancy_number: FloatArray
+    standardized: FloatArray
+    testable: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    mdb: FloatArray
+    external_m: FloatArray
+    sigma0: float
+    dof: float
+    scaling: CovarianceScaling
+    covariance: FloatArray
+    cofactor: FloatArray
+    global_test: GlobalTest
+    prior_standardized: float
+    r95_m: float
+
+
+def assess(network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping) -> Quality:
+    """Assess a solution with ``weights`` (m,) and ``cofactor`` (u, u) = (A'WA)^-1.
+
+    sigma0^2 = (sum of weights x squared standardised residuals) / dof, dof = sum of weights (+ 1 for a heading prior)
+    - unknowns: observations that were given up count neither above nor below. From three degrees of freedom on it
+    scales the covariance.
+
+    References
+    ----------
+    Baarda, A testing procedure for use in geodetic networks, 1968.
+    """
+    a = jacobian(network, pose)
+    sigma, v = effective_sigma(network, a), residuals(network, pose)
+    redundancy = redundancy_numbers(network, pose, weights, cofactor, damping)
+    testable = redundancy > _NO_REDUNDANCY
+    root = np.sqrt(np.where(testable, redundancy, 1.0))
+    mdb = np.where(testable, sigma * DELTA0 / root, np.inf)
+    statistic, dof = _squared_sum(network, pose, weights, damping)
+    sigma0, scaling = _reference_deviation(statistic, dof)
+    scale = sigma0**2 if scaling == "a_posteriori" else 1.0
+    covariance = scale * cofactor
+    return Quality(
+        residual=v,
+        sigma=sigma,
+        redundancy_number=redundancy,
+        standardized=np.where(testable, v / (sigma * root), 0.0),
+        testable=testable,
+        mdb=mdb,
+        external_m=_external(network, pose, weights, cofactor, damping, mdb),
+        sigma0=sigma0,
+        dof=dof,
+        scaling=scaling,
+        covariance=covariance,
+        cofactor=cofactor,
+        global_test=global_test(statistic, dof),
+        prior_standardized=_prior_standardized(network, pose, cofactor),
+        r95_m=radius_of_probability(covariance[:2, :2], 0.95, dof=dof if scaling == "a_posteriori" else None),
+    )
+
+
+def redundancy_numbers(
+    network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping = "joint"
+) -> FloatArray:
+    """Return r (m,), the share of an error that shows in its own residual: the diagonal of I - A Q A'P.
+
+    P are the weights of this solution; an observation that was given up has r = 1. Their sum, with that of a heading
+    prior, is observations minus unknowns.
+    """
+    u = network.unknowns
+    effect = _gain(network, pose, weights, cofactor, damping)
+    return np.asarray(np.clip(1.0 - np.sum(jacobian(network, pose)[:, :u] * effect, axis=1), 0.0, 1.0))
+
+
+def _gain(
+    network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping
+) -> FloatArray:
+    """Return (m, u): how much each unknown moves per unit of each observation, P A Q."""
+    u, a = network.unknowns, jacobian(network, pose)
+    factor = whitener(network, a, damping)
+    _, a_white = whitened(network, pose, damping)
+    p_a = np.stack([back_to_units(network, factor, weights * a_white[:, i]) for i in range(u)], axis=1)
+    return np.asarray(p_a @ cofactor)
+
+
+def _external(
+    network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping, mdb: FloatArray
+) -> FloatArray:
+    lever = np.hypot(*_gain(network, pose, weights, cofactor, damping)[:, :2].T)
+    return np.asarray(np.where(np.isfinite(mdb), lever * np.where(np.isfinite(mdb), mdb, 0.0), np.inf))
+
+
+def _squared_sum(network: Network, pose: FloatArray, weights: FloatArray, damping: Damping) -> tuple[float, float]:
+    v_white, _ = whitened(network, pose, damping)
+    statistic = float(weights @ v_white**2) + float(prior_residual(network, pose)) ** 2
+    return statistic, float(weights.sum()) + float(network.prior_counts) - network.unknowns
+
+
+def _reference_deviation(statistic: float, dof: float) -> tuple[float, CovarianceScaling]:
+    sigma0 = math.sqrt(statistic / dof) if dof > 1e-6 else 1.0
+    enough = dof >= FEWEST_DOF - 1e-6 and sigma0 > 0.0
+    return sigma0, "a_posteriori" if enough else "a_priori"
+
+
+def _prior_standardized(network: Network, pose: FloatArray, cofactor: FloatArray) -> float:
+    if not network.prior_counts or network.heading_prior_rad is None:
+        return 0.0
+    redundancy = 1.0 - float(cofactor[2, 2]) / network.heading_prior_rad[1] ** 2
+    return float(prior_residual(network, pose)) / math.sqrt(redundancy) if redundancy > _NO_REDUNDANCY else 0.0
+
+
+def global_test(statistic: float, dof: float, *, significance: float = GLOBAL_SIGNIFICANCE) -> GlobalTest:
+    """Test the weighted sum of squared standardised residuals against chi-square (one-sided); passed without dof."""
+    from scipy.special import gammaincinv
+
+    if dof <= 1e-6:
+        return GlobalTest(statistic, max(dof, 0.0), 0.0, True)
+    threshold = 2.0 * float(gammaincinv(dof / 2.0, 1.0 - significance))
+    return GlobalTest(statistic, dof, threshold, statistic <= threshold)
+
+
+def radius_of_probability(covariance_m2: FloatArray, probability: float, *, dof: float | None = None) -> float:
+    """Return the radius [m] of the circle that holds ``probability``, by integrating over all directions.
+
+    A point of the unit circle at angle a becomes one of the ellipse at h^2 = (major cos a)^2 + (minor sin a)^2; beyond
+    R lies exp(-R^2 / (2 h^2)) of what goes there, or (1 + R^2 / (h^2 dof))^(-dof / 2) when the covariance was scaled
+    by a sigma0 of ``dof``. For a circle of sigma per axis and 95 % the radius is 2.448 sigma (not 2 drms = 2.83).
+    """
+    values = np.maximum(np.linalg.eigvalsh(np.asarray(covariance_m2, np.float64)), 0.0)
+    minor, major = math.sqrt(values[0]), math.sqrt(values[1])
+    if major <= 0.0:
+        return 0.0
+    form = 1.0 / np.maximum((major * np.cos(_CIRCLE)) ** 2 + (minor * np.sin(_CIRCLE)) ** 2, 1e-12 * major**2)
+
+    def beyond(radius: float) -> float:
+        q = radius**2 * form
+        tail = np.exp(-0.5 * q) if dof is None else (1.0 + q / dof) ** (-0.5 * dof)
+        return float(tail.mean())
+
+    low, high = 0.0, 10.0 * major
+    while beyond(high) > 1.0 - probability:
+        high *= 2.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if beyond(middle) > 1.0 - probability else (low, middle)
+    return 0.5 * (low + high)
+
+
+_CIRCLE = (np.arange(256) + 0.5) * (2.0 * np.pi / 256)

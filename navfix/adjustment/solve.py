@@ -1,0 +1,241 @@
+"""One network to one solution: count, find the minima, choose, check rank and rivals, solve by graph, check again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from navfix.adjustment import graph
+from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
+from navfix.adjustment.network import Damping, Network, prior_residual, whitened
+from navfix.adjustment.start import Minimum, find_minima, follow, separation
+from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
+from navfix.kernels import Kernel
+from navfix.types import Alternative, FloatArray, PlanePosition, Position, confidence_radius
+from navfix.units import wrap_360, wrap_pi
+
+Solver = Literal["auto", "gtsam", "dense"]
+Place = Callable[[FloatArray], tuple[Position | PlanePosition, float | None]]
+DECISIVE = math.log(1000.0)
+_HOPELESS_SHARE = 0.5  # a sigma of more than half the distance to the marks: the linear picture means nothing
+_AGREE = 1e-4  # sigma: how well the two roads must agree
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Solution:
+    """Where a network was solved.
+
+    ``pose`` (3,) north m, east m, heading rad (0 where it is not an unknown); ``weights`` (m,); ``cofactor`` (u, u) =
+    (A'WA)^-1; ``loss`` in units of z^2 / 2; ``others``: the other distinct minima, lowest loss first.
+    """
+
+    pose: FloatArray
+    loss: float
+    weights: FloatArray
+    cofactor: FloatArray
+    start: str
+    solver: str
+    others: tuple[Minimum, ...]
+
+
+def solve(
+    network: Network,
+    kernel: Kernel,
+    damping: Damping = "joint",
+    *,
+    start: FloatArray | None = None,
+    candidates: Sequence[tuple[str, FloatArray]] = (),
+    solver: Solver = "auto",
+    place: Place | None = None,
+) -> Solution:
+    """Solve a network.
+
+    Parameters
+    ----------
+    start : pose (3,); the minimum reached from it is the solution and the others are only listed. Without it the
+        lowest loss is the solution, if nothing else explains the data nearly as well.
+    candidates : named poses that are starts among others
+    solver : "gtsam", "dense", or "auto": GTSAM where it is installed
+    place : turns a pose into a place and a heading [deg] for the alternatives of `Ambiguous`; default a plane position
+
+    Raises
+    ------
+    TooFewPairs : fewer observations than unknowns
+    Unobservable : the geometry, or what the kernel has left of it, leaves a direction free
+    NoAgreement : the kernel has given up so much that the rest does not determine the unknowns
+    Ambiguous : another place explains the data nearly as well (not with ``start``)
+    """
+    check_counts(network)
+    minima = find_minima(network, kernel, damping, given=tuple(candidates))
+    if start is not None:
+        best = follow(network, kernel, damping, np.asarray(start, np.float64), "given")
+        minima = [best, *(m for m in minima if not same_place(network, m.pose, best.pose))]
+    check_solution(network, kernel, damping, minima, place=place, rivals=start is None)
+    return finish(network, kernel, damping, minima[0], others=tuple(minima[1:]), solver=solver)
+
+
+def check_solution(
+    network: Network,
+    kernel: Kernel,
+    damping: Damping,
+    minima: list[Minimum],
+    *,
+    place: Place | None = None,
+    rivals: bool = True,
+) -> None:
+    """Raise what `solve` raises where the first of the minima is no solution."""
+    check_rank(network, minima[0].pose, network.mask.astype(np.float64), damping)
+    _check_agreement(network, kernel, damping, minima[0])
+    if rivals:
+        _check_rivals(network, kernel, damping, minima, place or on_the_plane)
+
+
+def finish(
+    network: Network,
+    kernel: Kernel,
+    damping: Damping,
+    minimum: Minimum,
+    *,
+    others: tuple[Minimum, ...] = (),
+    solver: Solver = "auto",
+) -> Solution:
+    """Solve from a minimum that is known already, by the graph or by dense normal equations, and check the result.
+
+    GTSAM reports success also where nothing was solved. So its pose must be a stationary point of the dense equations
+    (the next step shorter than 1e-4 sigma) and its loss not above that of the start; else the dense solution stands.
+    """
+    if solver == "gtsam" or (solver == "auto" and graph.available()):
+        found = graph.solve(network, kernel, damping, minimum.pose)
+        loss = float(total_loss(network, kernel, damping, found.pose))
+        step = minimise(network, kernel, damping, found.pose[None, :], iterations=1).step[0]
+        if step < _AGREE and loss <= minimum.loss + 1e-6 * (1.0 + minimum.loss):
+            u = network.unknowns
+            weights = observation_weights(network, kernel, damping, found.pose)
+            pose = _without_heading(network, found.pose)
+            return Solution(pose, loss, weights, found.cofactor[:u, :u], minimum.start, "gtsam", others)
+    return _dense(network, kernel, damping, minimum, others)
+
+
+def _dense(
+    network: Network, kernel: Kernel, damping: Damping, minimum: Minimum, others: tuple[Minimum, ...]
+) -> Solution:
+    u, (_, a_white) = network.unknowns, whitened(network, minimum.pose, damping)
+    weights = observation_weights(network, kernel, damping, minimum.pose)
+    cofactor = np.asarray(np.linalg.inv(normal_matrix(network, a_white, weights)[:u, :u]), np.float64)
+    pose = _without_heading(network, minimum.pose)
+    return Solution(pose, minimum.loss, weights, cofactor, minimum.start, "dense", others)
+
+
+def _without_heading(network: Network, pose: FloatArray) -> FloatArray:
+    return pose if network.heading_unknown else np.array([pose[0], pose[1], 0.0])
+
+
+# ----------------------------------------------------------------------------------------------------------- checks
+
+
+def check_counts(network: Network) -> None:
+    """Raise `TooFewPairs` where there are fewer observations (the heading prior counts) than unknowns."""
+    if network.redundancy < 0:
+        message = f"{network.observations} observations cannot determine {network.unknowns} unknowns"
+        raise TooFewPairs(message, observations=network.observations, unknowns=network.unknowns)
+
+
+def check_rank(network: Network, pose: FloatArray, weights: FloatArray, damping: Damping) -> None:
+    """Raise `Unobservable` where a direction of the unknowns stays free, exactly or for any practical purpose.
+
+    The heading is compared as the shift it causes at the marks' median distance; a direction counts as free when its
+    sigma is more than half that distance (more than 29 deg in heading): linear error propagation says nothing then.
+    """
+    u = network.unknowns
+    reach_m = _median_distance(network, pose)
+    scale = np.array([1.0, 1.0, 1.0 / reach_m])[:u]
+    _, a_white = whitened(network, pose, damping)
+    matrix = normal_matrix(network, a_white, weights)[:u, :u] * scale[:, None] * scale[None, :]
+    values, vectors = np.linalg.eigh(matrix)
+    if values[0] * (_HOPELESS_SHARE * reach_m) ** 2 < 1.0 or values[0] < 1e-12 * values[-1]:
+        direction = vectors[:, 0] * scale
+        direction = direction / np.linalg.norm(direction)
+        raise Unobservable(f"the geometry leaves {_in_words(vectors[:, 0])} free", direction=tuple(direction.tolist()))
+
+
+def _median_distance(network: Network, pose: FloatArray) -> float:
+    marks = network.mark_ne_m[np.unique(network.mark[network.mask])]
+    return max(float(np.median(np.hypot(*(marks - pose[:2]).T))), 1.0)
+
+
+def _in_words(vector: FloatArray) -> str:
+    if len(vector) == 3 and abs(vector[2]) > 0.9:
+        return "the heading"
+    azimuth_deg = math.degrees(math.atan2(vector[1], vector[0])) % 180.0
+    turning = " together with the heading" if len(vector) == 3 and abs(vector[2]) > 0.1 else ""
+    return f"the position along {azimuth_deg:.0f} deg{turning}"
+
+
+def _check_agreement(network: Network, kernel: Kernel, damping: Damping, best: Minimum) -> None:
+    weights = observation_weights(network, kernel, damping, best.pose)
+    effective = float(weights.sum()) + float(network.prior_counts)
+    if effective < network.unknowns - 1e-9:
+        raise NoAgreement(
+            f"the observations contradict each other: after damping {effective:.1f} of {network.observations} are left "
+            f"for {network.unknowns} unknowns",
+            evidence=-best.loss,
+        )
+    check_rank(network, best.pose, weights, damping)
+
+
+def same_place(network: Network, pose: FloatArray, other: FloatArray) -> bool:
+    """Tell whether two minima are one place (see `find_minima`)."""
+    apart_m, apart_rad = separation(network, pose)
+    near = math.hypot(*(pose[:2] - other[:2])) <= apart_m
+    return near and (not network.heading_unknown or abs(float(wrap_pi(pose[2] - other[2]))) <= apart_rad)
+
+
+def decisive_gap(kernel: Kernel, damping: Damping) -> float:
+    """Return the difference of losses that decides between two places: ln 1000, or half of what one target can cost.
+
+    The loss is minus the logarithm of a likelihood: ln 1000 is a thousand to one. A kernel that levels off low (Tukey)
+    cannot give one target that much; there half a target's worth must do.
+    """
+    return min(DECISIVE, 0.5 * kernel.bound(damping))
+
+
+def _check_rivals(network: Network, kernel: Kernel, damping: Damping, minima: list[Minimum], place: Place) -> None:
+    """Raise `Ambiguous` where another minimum has nearly the same loss and lies outside the best one's 99.9 % ellipse.
+
+    Where the residuals are larger than their sigmas say, the gap is measured with the larger ones.
+    """
+    best, u = minima[0], network.unknowns
+    v_white, a_white = whitened(network, best.pose, damping)
+    weights = observation_weights(network, kernel, damping, best.pose)
+    dof = float(weights.sum()) + float(network.prior_counts) - u
+    squared = float(weights @ v_white**2) + float(prior_residual(network, best.pose)) ** 2
+    inflation = max(1.0, squared / dof) if dof >= 3.0 else 1.0
+    matrix = normal_matrix(network, a_white, weights)[:u, :u] / inflation
+    rivals = [m for m in minima[1:] if (m.loss - best.loss) / inflation < decisive_gap(kernel, damping)]
+    if any(_distance_sq(matrix, m.pose - best.pose) > confidence_radius(0.999) ** 2 for m in rivals):
+        alternatives = [alternative(m, place) for m in minima]
+        apart_m = max(math.hypot(*(m.pose[:2] - best.pose[:2])) for m in rivals)
+        raise Ambiguous(
+            f"{len(rivals) + 1} places explain the data about equally well, up to {apart_m:.0f} m apart",
+            alternatives=alternatives,
+        )
+
+
+def _distance_sq(matrix: FloatArray, offset: FloatArray) -> float:
+    turned = np.append(offset[:2], wrap_pi(offset[2]))[: len(matrix)]
+    return float(turned @ matrix @ turned)
+
+
+def on_the_plane(pose: FloatArray) -> tuple[PlanePosition, float]:
+    """Return a pose as a plane position and a heading [deg]."""
+    return PlanePosition(float(pose[0]), float(pose[1])), float(wrap_360(math.degrees(pose[2])))
+
+
+def alternative(minimum: Minimum, place: Place = on_the_plane) -> Alternative:
+    """Return a minimum as a record; its score is minus its loss."""
+    position, heading_deg = place(minimum.pose)
+    return Alternative(position, heading_deg, -minimum.loss, minimum.targets)
