@@ -13,13 +13,14 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.14 python3.11 p
 # One thread for linear algebra: the fastest at these matrix sizes, and two test workers do not get in each other's way.
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: help demo test bench docs clean
+.PHONY: help demo test bench pages docs clean
 .DELETE_ON_ERROR:
 
 help:
 	@echo "make demo   solve a shipped log, write pictures into navfix-demo/"
 	@echo "make test   everything that CI runs: format, lint, types, layers, tests with coverage"
 	@echo "make bench  the long studies and the timings (minutes)"
+	@echo "make pages  write again what is generated: validation page, data list, output and picture in the README"
 	@echo "make docs   the documentation as a site, in site/"
 	@echo "make clean  remove .venv and everything that was built"
 
@@ -39,8 +40,12 @@ bench: $(VENV)/.test
 	@for script in tests/benchmarks/*.py; do \
 		[ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python "$$script" || exit 1; done
 
-docs: $(VENV)/.docs
+pages: $(VENV)/.installed
 	$(BIN)/python docs/make_validation.py
+	$(BIN)/python docs/make_data_page.py
+	$(BIN)/python docs/make_readme.py
+
+docs: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 clean:

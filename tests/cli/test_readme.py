@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 import shlex
 import shutil
 import subprocess
@@ -18,6 +19,7 @@ from navfix.cli import COMMANDS, main
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PAGES = ("README.md", "docs/quickstart.md")
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 def _blocks(page: str, language: str) -> list[str]:
@@ -93,6 +95,24 @@ def test_the_case_of_the_quick_start_is_solved(desk: Path, capsys: pytest.Captur
     (desk / "case.toml").write_text(case)
     assert main(["adjust", "case.toml"]) == 0
     assert "sigma0" in capsys.readouterr().out
+
+
+def _numbers(text: str) -> list[float]:
+    return [float(number) for number in NUMBER.findall(text)]
+
+
+def test_the_output_in_the_readme_is_that_of_the_demo(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["demo"]) == 0
+    make_readme = runpy.run_path(str(REPOSITORY / "docs" / "make_readme.py"), run_name="make_readme")
+    now = make_readme["block"](capsys.readouterr().out)
+    then = make_readme["between_marks"]((REPOSITORY / "README.md").read_text(encoding="utf-8"))
+    why = "run `python docs/make_readme.py`"
+    assert NUMBER.sub("#", now) == NUMBER.sub("#", then), why
+    # Another processor may round a last digit the other way.
+    assert _numbers(now) == pytest.approx(_numbers(then), abs=0.11, rel=0.01), why
 
 
 def test_every_command_is_in_the_readme_and_no_other() -> None:
