@@ -192,7 +192,7 @@ def simulate(scenario: Scenario, seed: int, *, duration_s: float | None = None) 
         model,
         plots,
         gyro_bias_deg=scenario.sensors.heading_bias_deg,
-        rng=np.random.default_rng(random_stream(seed, "radar").integers(2**63, size=2)),
+        rng=random_stream(seed, "tracker"),
     )
     stamped = [
         *_ais_lines(messages, scenario.ais.clock_offset_s),

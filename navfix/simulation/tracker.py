@@ -139,7 +139,7 @@ def follow(
     gyro_bias_deg: float,
     rng: np.random.Generator,
 ) -> list[tuple[TargetReport, int]]:
-    """Return the TTM records of the recording, each with the MMSI of what it is (0: no AIS, or nothing)."""
+    """Return the TTM records of the recording by time, each with the MMSI of what it is (0: no AIS, or nothing)."""
     tracker = Tracker(settings, model.turn_s)
     reports = []
     for turn in plots:
@@ -147,4 +147,4 @@ def follow(
             mmsi = world.bodies[tracked.plot.key].mmsi if tracked.plot.key >= 0 else 0
             report = target_report(world, settings, tracked, gyro_bias_deg=gyro_bias_deg, rng=rng)
             reports.append((report, mmsi))
-    return reports
+    return sorted(reports, key=lambda entry: entry[0].time_s or 0.0)

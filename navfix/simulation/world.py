@@ -21,7 +21,7 @@ from navfix.types import FloatArray, Hull, Position
 from navfix.units import wrap_360
 
 Unit = Literal["A", "B"]
-_SUBJECTS = ("world", "ais", "radar", "sensors")
+_SUBJECTS = ("world", "ais", "radar", "tracker", "sensors")
 _BUOY = Hull(bow_m=1.0, stern_m=1.0, port_m=1.0, starboard_m=1.0)
 _NO_HULL = Hull(bow_m=0.0, stern_m=0.0, port_m=0.0, starboard_m=0.0)
 # MMSI blocks: MID 200 is not allotted to any country, so no real ship is meant.
@@ -70,7 +70,7 @@ class World:
 
 
 def random_stream(seed: int, subject: str) -> np.random.Generator:
-    """Return the random numbers of one subject: "world", "ais", "radar" or "sensors".
+    """Return the random numbers of one subject: "world", "ais", "radar", "tracker" or "sensors".
 
     Raises
     ------
