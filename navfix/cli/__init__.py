@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib.util
+import importlib
 import logging
 import os
 import sys
@@ -48,8 +48,7 @@ def parser() -> argparse.ArgumentParser:
     top.add_argument("-v", "--verbose", action="count", default=0, help="say more on stderr; -vv for everything")
     commands = top.add_subparsers(metavar="COMMAND", required=True)
     for name in COMMANDS:
-        if importlib.util.find_spec(f"navfix.cli.{name}"):  # TODO: plain once every command is there
-            importlib.import_module(f"navfix.cli.{name}").add_parser(commands)
+        importlib.import_module(f"navfix.cli.{name}").add_parser(commands)
     for command in commands.choices.values():
         command.allow_abbrev = False
         command.add_argument("-v", "--verbose", action="count", default=argparse.SUPPRESS, help=argparse.SUPPRESS)
