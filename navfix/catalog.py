@@ -94,10 +94,14 @@ class AssociationModel:
     distinct_m: float
     distinct_deg: float
     distinct_sigma: float
+    hint_wrong_share: float
+    compass_sigma_deg: float
+    alignment_sigma_deg: float
     stop_evidence: float
     stop_margin: float
     accept_evidence: float
     accept_margin: float
+    accept_margin_with_hint: float
     accept_pairs: int
     rivals_per_nat: float
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from navfix.catalog import AssociationModel, RadarModel, association_model, radar_model
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch
+from navfix.units import NM_M, wrap_pi
 
 if TYPE_CHECKING:
     from navfix.association.scene import Scene
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["associate"]
 
-MINIMUM_TARGETS = 3
+FEWEST, FEWEST_WITH_HINT = 3, 2
 
 
 def associate(
@@ -49,18 +50,17 @@ def associate(
     model = association_model(method)
     _require_enough(epoch)
     scene = scenes.build(epoch, radar_model(radar), model)
-    found = seeded.search(scene, model)
+    found = seeded.search(scene, model, epoch=epoch)
     _require_agreement(found, scene, model)
     return _association(found, scene, model)
 
 
 def _require_enough(epoch: Epoch) -> None:
+    needed = FEWEST_WITH_HINT if epoch.heading_hint or epoch.position_hint else FEWEST
     for word, count in (("radar targets", len(epoch.targets)), ("marks of known position", len(epoch.marks))):
-        if count < MINIMUM_TARGETS:
+        if count < needed:
             raise TooFewPairs(
-                f"{count} {word}: position and heading need at least {MINIMUM_TARGETS}",
-                observations=2 * count,
-                unknowns=3,
+                f"{count} {word}: position and heading need at least {needed}", observations=2 * count, unknowns=3
             )
 
 
@@ -68,30 +68,34 @@ def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> 
     """Raise unless the best answer has enough evidence, enough marks and enough margin."""
     from navfix.association import ambiguity
 
-    best_evidence, best_marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
-    alternatives = _alternatives(found, scene, model)
-    if best_evidence < model.accept_evidence or best_marks < model.accept_pairs:
+    evidence, marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
+    ahead = ambiguity.margin(found.answers)
+    fewest, enough = model.accept_pairs, model.accept_margin
+    if found.prior.has_hint and marks < fewest:
+        fewest, enough = FEWEST_WITH_HINT, model.accept_margin_with_hint
+    if evidence < model.accept_evidence or marks < fewest:
         raise NoAgreement(
-            f"no place explains the echoes better than chance: the best matches {best_marks} marks "
-            f"with evidence {best_evidence:.1f} (needed {model.accept_pairs} and {model.accept_evidence:g})",
-            evidence=best_evidence,
-            alternatives=alternatives,
+            f"no place explains the echoes better than chance: the best matches {marks} marks "
+            f"with evidence {evidence:.1f} (needed {fewest} and {model.accept_evidence:g})",
+            evidence=evidence,
+            alternatives=_alternatives(found, scene, enough),
         )
-    if ambiguity.margin(found.answers) < model.accept_margin:
+    if ahead < enough:
+        alternatives = _alternatives(found, scene, enough)
         raise Ambiguous(
             f"{len(alternatives)} places explain the echoes nearly alike: the best is only "
-            f"{ambiguity.margin(found.answers):.1f} ahead (needed {model.accept_margin:g})",
+            f"{ahead:.1f} ahead (needed {enough:g})",
             alternatives=alternatives,
         )
 
 
-def _alternatives(found: Search, scene: Scene, model: AssociationModel) -> tuple[Alternative, ...]:
-    """Return every distinct answer within the acceptance margin of the best, at least two where there are."""
+def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternative, ...]:
+    """Return every distinct answer ``within`` so many nats of the best, at least two where there are."""
     from navfix.association import ambiguity
     from navfix.association.scene import position_of
 
     answers = found.answers
-    rows = ambiguity.contenders(answers, max(model.accept_margin, ambiguity.margin(answers) + 1e-9))
+    rows = ambiguity.contenders(answers, max(within, ambiguity.margin(answers) + 1e-9))
     return tuple(
         Alternative(
             position_of(scene, complex(answers.poses.p[row])),
@@ -121,6 +125,24 @@ def _association(found: Search, scene: Scene, model: AssociationModel) -> Associ
         evidence=float(answers.evidence[0]),
         margin=min(ahead, 1e6),
         probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
-        alternatives=_alternatives(found, scene, model),
+        alternatives=_alternatives(found, scene, model.accept_margin),
+        notes=_notes(found),
         method=model.name,
     )
+
+
+def _notes(found: Search) -> tuple[str, ...]:
+    """Return what the data say of the hints."""
+    import numpy as np
+
+    prior, best = found.prior, found.answers.take(np.zeros(1, dtype=np.int64))
+    position_holds, heading_holds = prior.hint_holds(best.poses, best.information)[0]
+    notes = []
+    if prior.place is not None and position_holds < 0.5:
+        off_nm = abs(best.poses.p[0] - prior.place) / NM_M
+        notes.append(f"The position hint is refuted: it lies {off_nm:.1f} NM from the place that the echoes show.")
+    if prior.heading_rad is not None and heading_holds < 0.5:
+        off_deg = math.degrees(wrap_pi(prior.heading_rad - float(best.poses.heading_rad[0])))
+        source = "heading hint" if found.field.scene.reference == "relative" else "compass in the true bearings"
+        notes.append(f"The {source} is refuted: it is {off_deg:+.1f} deg off.")
+    return tuple(notes)

@@ -13,18 +13,14 @@ from navfix.units import wrap_pi
 
 def distinct(judged: Judged, model: AssociationModel) -> Judged:
     """Keep the best of every group of poses that are the same answer (judged is sorted, best first)."""
-    left = np.ones(len(judged.score), dtype=bool)
+    left = np.ones(len(judged.evidence), dtype=bool)
     kept = []
     for row in range(len(left)):
         if left[row]:
             kept.append(row)
             left &= ~same_answer(judged, row, model)
             left[row] = False
-    rows = np.array(kept, dtype=np.int64)
-    return Judged(
-        judged.poses.take(rows), judged.information[rows], judged.log_ratio[rows],
-        judged.score[rows], judged.evidence[rows], judged.ships[rows],
-    )  # fmt: skip
+    return judged.take(np.array(kept, dtype=np.int64))
 
 
 def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np.bool_]:
@@ -40,7 +36,7 @@ def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np
 
 def margin(judged: Judged) -> float:
     """Return by how many nats the best distinct answer is ahead of the next (infinite where there is no other)."""
-    return float(judged.score[0] - judged.score[1]) if len(judged.score) > 1 else float("inf")
+    return float(judged.evidence[0] - judged.evidence[1]) if len(judged.evidence) > 1 else float("inf")
 
 
 def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:
@@ -56,5 +52,5 @@ def probability_wrong(evidence: float, ahead: float, model: AssociationModel) ->
 
 def contenders(judged: Judged, within: float) -> IntArray:
     """Return the rows of every answer within ``within`` nats of the best, best first."""
-    rows: IntArray = np.flatnonzero(judged.score >= judged.score[0] - within)
+    rows: IntArray = np.flatnonzero(judged.evidence >= judged.evidence[0] - within)
     return rows

@@ -17,36 +17,40 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.em import Field, Fit, lay_over, likelihood_ratio
+from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
-from navfix.types import FloatArray
+from navfix.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
     """Poses with their evidence, best first.
 
-    ``log_ratio`` (k,) log likelihood ratio at the pose; ``score`` (k,) with the pose integrated over (Laplace);
-    ``evidence`` (k,) score less the logarithm of the searched volume: above 0 more likely than chance.
+    ``log_ratio`` (k,) log likelihood ratio at the pose; ``evidence`` (k,) with the pose integrated over its prior:
+    above 0 more likely than chance.
     ``information`` (k, 3, 3); ``ships`` (k,) how many marks are matched with posterior above one half.
     """
 
     poses: Poses
     information: FloatArray
     log_ratio: FloatArray
-    score: FloatArray
     evidence: FloatArray
     ships: FloatArray
 
+    def take(self, rows: IntArray) -> Judged:
+        """Return the poses of ``rows``, in this order."""
+        return Judged(
+            self.poses.take(rows), self.information[rows], self.log_ratio[rows], self.evidence[rows], self.ships[rows]
+        )
 
-def judge(field: Field, poses: Poses, information: FloatArray, log_volume: float) -> Judged:
-    """Score poses (k,) and sort them, best first."""
+
+def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> Judged:
+    """Weigh poses (k,) and sort them, best first."""
     fit = lay_over(field, poses)
     log_ratio = log_likelihood_ratio(field, poses, fit)
-    score = log_ratio + 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1]  # Laplace
-    order = np.argsort(-score, kind="stable")
-    evidence = score - log_volume
-    ships = _matched(field, fit)
-    return Judged(poses.take(order), information[order], log_ratio[order], score[order], evidence[order], ships[order])
+    evidence = log_ratio + prior.log_mass(poses, information)
+    found = Judged(poses, information, log_ratio, evidence, _matched(field, fit))
+    return found.take(np.argsort(-evidence, kind="stable"))
 
 
 def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
@@ -92,15 +96,3 @@ def _matched(field: Field, fit: Fit) -> FloatArray:
     posterior = ratio / (0.4 + ratio.sum(axis=2, keepdims=True))
     taken = (posterior > 0.5) & (fit.distance_sq < 11.8)
     return np.array([len(np.unique(mark[row])) for mark, row in zip(fit.mark, taken, strict=True)], dtype=np.float64)
-
-
-def log_search_volume(field: Field) -> float:
-    """Return ln of the searched volume [m^2 rad]: the union of the radar discs about the marks, times all headings."""
-    radius_m = field.scene.radar_range_m
-    cell_m = radius_m / 6.0
-    offsets = np.arange(-6, 7) * cell_m
-    north, east = np.meshgrid(offsets, offsets)
-    disc = (north**2 + east**2 <= radius_m**2).ravel()
-    cells = field.scene.z[:, None] + (north.ravel() + 1j * east.ravel())[disc][None, :]
-    distinct = np.unique(np.round(cells / cell_m))
-    return float(np.log(len(distinct) * cell_m**2 * 2.0 * np.pi))

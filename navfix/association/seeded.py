@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association import ambiguity, em, evidence, seeds
+from navfix.association import ambiguity, em, evidence, prior, seeds
 from navfix.association.evidence import Judged
 from navfix.association.pair_index import PairIndex
+from navfix.association.prior import Prior
 from navfix.association.scene import Scene
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
+from navfix.types import Epoch
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,41 +21,45 @@ class Search:
     """What a search found: distinct answers, best first, and the field that they were judged in."""
 
     field: em.Field
+    prior: Prior
     answers: Judged
     pairs_tried: int
 
 
-def search(scene: Scene, model: AssociationModel, index: PairIndex | None = None) -> Search:
+def search(
+    scene: Scene, model: AssociationModel, *, epoch: Epoch | None = None, index: PairIndex | None = None
+) -> Search:
     """Find every pose that explains the scene, best first.
 
-    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells.
+    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells. The
+    hints of the ``epoch``, where it has any, are weighed in the evidence.
     """
     index = index or PairIndex.of(scene.z, 2.0 * scene.radar_range_m)
     field = em.Field(scene, model)
-    log_volume = evidence.log_search_volume(field)
+    known = prior.of(epoch, scene, field, model)
     pairs = seeds.radar_pairs(scene, index, model)
     found: Judged | None = None
     tried = 0
     for stage in model.pairs_per_stage:
         voting = pairs.take(slice(0, stage))
-        starts = seeds.seeds(scene, index, voting, model)
+        starts = seeds.seeds(scene, index, voting, model, known.plausible if known.has_hint else None)
         if found is not None:
             starts = Poses.join(found.poses.take(np.arange(min(5, len(found.poses)))), starts)
         if len(starts) == 0:
             break
         poses, information = em.refine(field, starts)
-        found = ambiguity.distinct(evidence.judge(field, poses, information, log_volume), model)
+        found = ambiguity.distinct(evidence.judge(field, poses, information, known), model)
         tried = len(voting.first)
         certain = found.evidence[0] > model.stop_evidence and ambiguity.margin(found) > model.stop_margin
         if certain or tried >= len(pairs.first):
             break
     if found is None:
-        found = _nothing(field, log_volume)
-    return Search(field, found, tried)
+        found = _nothing(field, known)
+    return Search(field, known, found, tried)
 
 
-def _nothing(field: em.Field, log_volume: float) -> Judged:
+def _nothing(field: em.Field, known: Prior) -> Judged:
     """Return one pose on the middle of the marks, judged: no two targets are as far apart as any two marks."""
     poses = Poses(np.array([np.mean(field.scene.z)]), np.zeros(1))
     poses, information = em.refine(field, poses)
-    return evidence.judge(field, poses, information, log_volume)
+    return evidence.judge(field, poses, information, known)

@@ -7,6 +7,7 @@ Poses that many pairs vote for are the seeds of the EM.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,6 +37,9 @@ class Poses:
     def join(cls, *parts: Poses) -> Poses:
         """Return all poses of several batches as one."""
         return cls(np.concatenate([q.p for q in parts]), np.concatenate([q.heading_rad for q in parts]))
+
+
+Plausible = Callable[[Poses], NDArray[np.bool_]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +80,19 @@ def radar_pairs(scene: Scene, index: PairIndex, model: AssociationModel) -> Rada
     return RadarPairs(i[order], j[order], distance_m[order], distance_sigma_m[order], direction_sigma_rad[order])
 
 
-def seeds(scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel) -> Poses:
-    """Return the poses that most of the radar pairs vote for, at most ``model.seeds`` from each of two grids."""
-    p, heading_rad = votes(scene, index, pairs, model)
-    if len(p) == 0:
-        return Poses(np.empty(0, np.complex128), np.empty(0))
-    return Poses.join(*(_fullest_cells(p, heading_rad, model, shift) for shift in (0.0, 0.5)))
+def seeds(
+    scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel, plausible: Plausible | None = None
+) -> Poses:
+    """Return the poses that most of the radar pairs vote for, at most ``model.seeds`` from each of two grids.
+
+    With hints, as many again from the votes that are ``plausible``: two common targets are lost among all votes.
+    """
+    voted = Poses(*votes(scene, index, pairs, model))
+    found = [_fullest_cells(voted, model, shift) for shift in (0.0, 0.5)]
+    if plausible is not None:
+        near = voted.take(plausible(voted))
+        found += [_fullest_cells(near, model, shift) for shift in (0.0, 0.5)]
+    return Poses.join(*found)
 
 
 def votes(
@@ -125,8 +136,11 @@ def _spread(i: IntArray, j: IntArray, order: IntArray, targets: int) -> IntArray
     return order[np.argsort(rounds // per_round, kind="stable")]
 
 
-def _fullest_cells(p: ComplexArray, heading_rad: FloatArray, model: AssociationModel, shift: float) -> Poses:
+def _fullest_cells(voted: Poses, model: AssociationModel, shift: float) -> Poses:
     """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell."""
+    p, heading_rad = voted.p, voted.heading_rad
+    if len(p) == 0:
+        return voted
     headings = round(360.0 / model.cell_deg)
     north = np.floor(p.real / model.cell_m + shift).astype(np.int64)
     east = np.floor(p.imag / model.cell_m + shift).astype(np.int64)
