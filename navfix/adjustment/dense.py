@@ -10,21 +10,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.adjustment.network import (
-    Damping,
-    Network,
+from navfix.adjustment.network import Network, Sight, curvature, jacobian, prior_residual, residuals, sight
+from navfix.adjustment.whitening import (
     back_to_units,
-    curvature,
-    jacobian,
-    prior_residual,
-    residuals,
     spread_to_observations,
     target_norms,
+    target_sums,
     whiten,
+    whiten_one,
     whitened,
     whitener,
 )
-from navfix.kernels import Kernel
+from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray, IntArray
 
 _SMALLEST_MU, _LARGEST_MU = 1e-9, 1e12
@@ -44,8 +41,10 @@ class Descent:
 
 def total_loss(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> FloatArray:
     """Return the sum of the losses at each pose (..., 3), heading prior included: z^2 / 2 summed for good data."""
-    white = whiten(network, whitener(network, jacobian(network, pose), damping), residuals(network, pose)[..., None])
-    return _loss(network, kernel, damping, white[..., 0], prior_residual(network, pose))
+    seen = sight(network, pose)
+    factor = whitener(network, jacobian(network, pose, seen), damping)
+    v_white = whiten_one(network, factor, residuals(network, pose, seen))
+    return _loss(network, kernel, damping, v_white, prior_residual(network, pose))
 
 
 def observation_weights(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> FloatArray:
@@ -91,16 +90,17 @@ def _iterate(
     network: Network, kernel: Kernel, damping: Damping, pose: FloatArray, mu: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Try one step from each pose; return poses, damping parameters and lengths of the steps in sigma."""
-    a = jacobian(network, pose)
+    seen = sight(network, pose)
+    a = jacobian(network, pose, seen)
     factor = whitener(network, a, damping)
-    v_white, a_white = whiten(network, factor, residuals(network, pose)[..., None])[..., 0], whiten(network, factor, a)
+    v_white, a_white = whiten_one(network, factor, residuals(network, pose, seen)), whiten(network, factor, a)
     weights = _weights(network, kernel, damping, v_white)
     gradient = _gradient(network, a_white, weights * v_white, pose)
     matrix = normal_matrix(network, a_white, weights)
-    newton = _second_order(network, kernel, damping, pose, factor, a_white, v_white, weights, matrix)
+    newton = _second_order(network, kernel, damping, seen, factor, a_white, v_white, weights, matrix)
     step, length = _step(network, matrix, newton, gradient, mu)
     tried = pose + step
-    v_tried = whiten(network, factor, residuals(network, tried)[..., None])[..., 0]
+    v_tried = whiten_one(network, factor, residuals(network, tried))
     before = _loss(network, kernel, damping, v_white, prior_residual(network, pose))
     after = _loss(network, kernel, damping, v_tried, prior_residual(network, tried))
     better = after <= before * (1.0 + 1e-13)
@@ -138,7 +138,7 @@ def _second_order(
     network: Network,
     kernel: Kernel,
     damping: Damping,
-    pose: FloatArray,
+    seen: Sight,
     factor: FloatArray,
     a_white: FloatArray,
     v_white: FloatArray,
@@ -147,13 +147,12 @@ def _second_order(
 ) -> FloatArray:
     """Return A'WA plus the curvature of the observations and that of the kernel, (s, 3, 3)."""
     full = matrix.copy()
-    full[..., :2, :2] += curvature(network, pose, back_to_units(network, factor, weights * v_white))
+    full[..., :2, :2] += curvature(network, seen, back_to_units(network, factor, weights * v_white))
     if kernel.family == "none":
         return full
     slopes = a_white * v_white[..., None]
     if damping == "joint":
-        used = network.blocks >= 0
-        slopes = np.where(used[..., None], slopes[..., network.blocks, :], 0.0).sum(axis=-2)
+        slopes = np.swapaxes(target_sums(network, np.swapaxes(slopes, -1, -2)), -1, -2)
     bend = _bend(network, kernel, damping, v_white)
     return full + np.swapaxes(slopes * bend[..., None], -1, -2) @ slopes
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from navfix.adjustment import solve as solving
-from navfix.adjustment.network import KIND_NAMES, RANGE, RELATIVE_BEARING, TRUE_BEARING, Damping, Network
+from navfix.adjustment.network import KIND_NAMES, RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.reliability import Quality, assess
 from navfix.adjustment.solve import Solution, Solver
 from navfix.adjustment.start import Minimum, find_minima, follow
@@ -20,7 +20,7 @@ from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.errors import InputError, TooFewPairs
 from navfix.geodesy import LocalPlane, centroid, cloud_to_plane, inverse
-from navfix.kernels import Kernel
+from navfix.kernels import Damping, Kernel
 from navfix.types import (
     AdjustedObservation,
     Alternative,
@@ -327,6 +327,6 @@ def notes(network: Network, quality: Quality, solution: Solution) -> tuple[str, 
         said.append(
             f"the heading prior disagrees with the marks: standardised residual {quality.prior_standardized:.1f}"
         )
-    if not network.heading_unknown:
+    if not network.heading_unknown and np.any(network.kind == TRUE_BEARING):
         said.append("all bearings are true: the heading is not an unknown")
     return tuple(said)

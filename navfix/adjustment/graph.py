@@ -22,18 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from navfix.adjustment.network import (
-    RANGE,
-    RELATIVE_BEARING,
-    Damping,
-    Network,
-    block_covariance,
-    effective_sigma,
-    jacobian,
-    residuals,
-)
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, effective_sigma, jacobian, residuals
+from navfix.adjustment.whitening import block_covariance
 from navfix.errors import Unobservable
-from navfix.kernels import Kernel
+from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +17,8 @@ RANGE, RELATIVE_BEARING, TRUE_BEARING = 0, 1, 2
 KIND_NAMES: tuple[ObservationKind, ...] = ("range", "relative_bearing", "true_bearing")
 KIND_CODES: dict[ObservationKind, int] = {name: code for code, name in enumerate(KIND_NAMES)}
 BoolArray = NDArray[np.bool_]
-_NEAREST_M = 1e-6  # a mark nearer than this has no direction
+_TURN_RAD = 2.0 * np.pi
+_NEAREST_M = 1e-6  # a mark nearer than this has no direction: keeps the derivatives finite
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,7 +37,12 @@ class Network:
     heading_prior_rad : heading and its sigma from a compass, or None
     heading_unknown : True when an observation that takes part is a relative bearing
     blocks : (g, K) indices into the observations that take part in one target, -1 where it has fewer than K
+    block_sizes : (g,) how many they are
     diagonal : True when the errors of different observations are uncorrelated
+    in_order : True when the blocks are the observations in their order, none left out (the usual case)
+    is_range, is_relative : (m,) the kind once more, as masks
+    place : (2, m) north and east of the mark that was observed
+    spread_m2 : (3, m) its covariance: north, twice the mixed term, east
     """
 
     kind: IntArray
@@ -49,13 +56,32 @@ class Network:
     heading_prior_rad: tuple[float, float] | None = None
     heading_unknown: bool = field(init=False)
     blocks: IntArray = field(init=False)
+    block_sizes: IntArray = field(init=False)
     diagonal: bool = field(init=False)
+    in_order: bool = field(init=False)
+    is_range: BoolArray = field(init=False)
+    is_relative: BoolArray = field(init=False)
+    place: FloatArray = field(init=False)
+    spread_m2: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         _check(self)
-        object.__setattr__(self, "heading_unknown", bool(np.any((self.kind == RELATIVE_BEARING) & self.mask)))
-        object.__setattr__(self, "blocks", _blocks(self))
-        object.__setattr__(self, "diagonal", _is_diagonal(self))
+        covariance = self.mark_covariance_m2[self.mark]
+        mixed = [covariance[:, 0, 0], 2.0 * covariance[:, 0, 1], covariance[:, 1, 1]]
+        blocks = _blocks(self)
+        derived = {
+            "heading_unknown": bool(np.any((self.kind == RELATIVE_BEARING) & self.mask)),
+            "blocks": blocks,
+            "block_sizes": np.asarray(np.count_nonzero(blocks >= 0, axis=1), np.int64),
+            "diagonal": _is_diagonal(self, blocks),
+            "in_order": np.array_equal(blocks.ravel(), np.arange(len(self.kind))),
+            "is_range": self.kind == RANGE,
+            "is_relative": self.kind == RELATIVE_BEARING,
+            "place": self.mark_ne_m[self.mark].T.copy(),
+            "spread_m2": np.array(mixed),
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
 
     @classmethod
     def build(
@@ -119,11 +145,6 @@ class Network:
         """Observations minus unknowns."""
         return self.observations - self.unknowns
 
-    @property
-    def block_sizes(self) -> IntArray:
-        """(g,) observations of each target that take part."""
-        return np.asarray(np.count_nonzero(self.blocks >= 0, axis=1), np.int64)
-
     def with_marks(self, mark_ne_m: FloatArray) -> Network:
         """Return the same observations with the marks at other coordinates (a re-centred plane)."""
         return Network(
@@ -173,65 +194,74 @@ def _blocks(network: Network) -> IntArray:
     )
 
 
-def _is_diagonal(network: Network) -> bool:
+def _is_diagonal(network: Network, blocks: IntArray) -> bool:
     """Tell whether all errors are uncorrelated: fixed marks, or isotropic ones with one range and one bearing each."""
     covariance = network.mark_covariance_m2
     isotropic = np.all(covariance[:, 0, 1] == 0.0) and np.all(covariance[:, 0, 0] == covariance[:, 1, 1])
     if not np.any(covariance):
         return True
-    padded = np.append(np.where(network.kind == RANGE, 0, 1), -1)[network.blocks]
+    padded = np.append(np.where(network.kind == RANGE, 0, 1), -1)[blocks]
     return bool(isotropic and np.all(np.sum(padded == 0, axis=1) <= 1) and np.all(np.sum(padded == 1, axis=1) <= 1))
 
 
 # ------------------------------------------------------------------------------------- functions of one or many poses
 
 
-def _offsets(network: Network, pose: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return north and east from own ship to the observed mark and the distance, each (..., m) [m]."""
-    mark = network.mark_ne_m[network.mark]
-    north, east = mark[:, 0] - pose[..., 0:1], mark[:, 1] - pose[..., 1:2]
-    return north, east, np.maximum(np.hypot(north, east), _NEAREST_M)
+class Sight(NamedTuple):
+    """From own ship to the observed marks: north, east and distance [m], each (..., m)."""
+
+    north: FloatArray
+    east: FloatArray
+    distance: FloatArray
 
 
-def predict(network: Network, pose: FloatArray) -> FloatArray:
+def sight(network: Network, pose: FloatArray) -> Sight:
+    """Return the lines of sight from ``pose`` (..., 3)."""
+    north, east = network.place[0] - pose[..., 0:1], network.place[1] - pose[..., 1:2]
+    return Sight(north, east, np.maximum(np.hypot(north, east), _NEAREST_M))
+
+
+def predict(network: Network, pose: FloatArray, seen: Sight | None = None) -> FloatArray:
     """Return what would be observed from ``pose`` (..., 3): (..., m) in m and rad (bearings not wrapped)."""
-    north, east, distance = _offsets(network, pose)
-    bearing = np.arctan2(east, north) - np.where(network.kind == RELATIVE_BEARING, pose[..., 2:3], 0.0)
-    return np.where(network.kind == RANGE, distance, bearing)
+    north, east, distance = seen or sight(network, pose)
+    bearing = np.arctan2(east, north) - network.is_relative * pose[..., 2:3]
+    return np.where(network.is_range, distance, bearing)
 
 
-def residuals(network: Network, pose: FloatArray) -> FloatArray:
+def residuals(network: Network, pose: FloatArray, seen: Sight | None = None) -> FloatArray:
     """Return v = adjusted - observed, (..., m) in m and rad, bearings within -pi .. pi."""
-    v = predict(network, pose) - network.value
-    return np.where(network.kind == RANGE, v, wrap_pi(v))
+    v = predict(network, pose, seen) - network.value
+    turns = np.rint(v * (1.0 / _TURN_RAD))
+    return np.asarray(v - np.where(network.is_range, 0.0, turns * _TURN_RAD))
 
 
-def jacobian(network: Network, pose: FloatArray) -> FloatArray:
-    """Return d prediction / d (north, east, heading), (..., m, 3); a mark at own ship's place has zeros."""
-    north, east, distance = _offsets(network, pose)
-    is_range = network.kind == RANGE
-    squared = distance**2
-    d_north = np.where(is_range, -north / distance, east / squared)
-    d_east = np.where(is_range, -east / distance, -north / squared)
-    d_heading = np.broadcast_to(np.where(network.kind == RELATIVE_BEARING, -1.0, 0.0), d_north.shape)
-    return np.stack([d_north, d_east, d_heading], axis=-1)
+def jacobian(network: Network, pose: FloatArray, seen: Sight | None = None) -> FloatArray:
+    """Return d prediction / d (north, east, heading), (..., m, 3)."""
+    north, east, distance = seen or sight(network, pose)
+    inverse = 1.0 / distance
+    cos, sin = north * inverse, east * inverse
+    result = np.empty((*north.shape, 3))
+    result[..., 0] = np.where(network.is_range, -cos, sin * inverse)
+    result[..., 1] = np.where(network.is_range, -sin, -cos * inverse)
+    result[..., 2] = -1.0 * network.is_relative
+    return result
 
 
-def curvature(network: Network, pose: FloatArray, factor: FloatArray) -> FloatArray:
+def curvature(network: Network, seen: Sight, factor: FloatArray) -> FloatArray:
     """Return the sum of ``factor`` (..., m) times d^2 prediction / d (north, east)^2, (..., 2, 2).
 
     The heading enters linearly. What the Gauss-Newton method leaves out: it matters where residuals are large.
     """
-    north, east, distance = _offsets(network, pose)
-    squared = distance**2
-    is_range = network.kind == RANGE
-    by_range = np.where(is_range, factor / (squared * distance), 0.0)
-    by_bearing = np.where(is_range, 0.0, factor / squared**2)
-    both = 2.0 * north * east * by_bearing
-    h_nn = np.sum(by_range * east**2 + both, axis=-1)
-    h_ee = np.sum(by_range * north**2 - both, axis=-1)
-    h_ne = np.sum(by_bearing * (east**2 - north**2) - by_range * north * east, axis=-1)
-    return np.stack([np.stack([h_nn, h_ne], axis=-1), np.stack([h_ne, h_ee], axis=-1)], axis=-1)
+    inverse = 1.0 / seen.distance
+    cos, sin = seen.north * inverse, seen.east * inverse
+    by_range = np.where(network.is_range, factor * inverse, 0.0)
+    by_bearing = np.where(network.is_range, 0.0, factor * inverse**2)
+    mixed = cos * sin
+    result = np.empty((*seen.north.shape[:-1], 2, 2))
+    result[..., 0, 0] = np.sum(by_range * sin**2 + 2.0 * mixed * by_bearing, axis=-1)
+    result[..., 1, 1] = np.sum(by_range * cos**2 - 2.0 * mixed * by_bearing, axis=-1)
+    result[..., 0, 1] = result[..., 1, 0] = np.sum(by_bearing * (sin**2 - cos**2) - by_range * mixed, axis=-1)
+    return result
 
 
 def effective_sigma(network: Network, jacobian_: FloatArray) -> FloatArray:
@@ -241,78 +271,10 @@ def effective_sigma(network: Network, jacobian_: FloatArray) -> FloatArray:
     sigma^2 + j S j' with j the position part of the Jacobian: sigma^2 + s^2 for a range, sigma^2 + (s / d)^2 for a
     bearing at distance d to a mark of s per axis.
     """
-    spread = network.mark_covariance_m2[network.mark]
     north, east = jacobian_[..., 0], jacobian_[..., 1]
-    moved = spread[:, 0, 0] * north**2 + (2.0 * spread[:, 0, 1] * north + spread[:, 1, 1] * east) * east
+    spread = network.spread_m2
+    moved = spread[0] * north**2 + (spread[1] * north + spread[2] * east) * east
     return np.asarray(np.sqrt(network.sigma**2 + moved))
-
-
-def whitener(network: Network, jacobian_: FloatArray, damping: Damping = "joint") -> FloatArray:
-    """Return what turns residuals into uncorrelated ones of unit variance, for `whiten`.
-
-    Range and bearing of one mark are uncorrelated when the mark's sigma is the same in every direction: the inverse
-    sigma (..., m), zero where masked out. Otherwise joint damping decorrelates the observations of each target by the
-    inverse Cholesky factor of their covariance, (..., g, K, K); separate damping looks at each observation by itself
-    and leaves the correlation out.
-    """
-    if network.diagonal or damping == "separate":
-        return np.asarray(network.mask / effective_sigma(network, jacobian_))
-    return np.linalg.inv(np.linalg.cholesky(block_covariance(network, jacobian_)))
-
-
-def whiten(network: Network, whitener_: FloatArray, columns: FloatArray) -> FloatArray:
-    """Return ``columns`` (..., m, c) in units of sigma, zero where masked out; leading axes as in the whitener."""
-    if whitener_.ndim < columns.ndim:
-        return columns * whitener_[..., None]
-    used = network.blocks >= 0
-    padded = np.where(used[..., None], columns[..., network.blocks, :], 0.0)
-    result = np.zeros_like(columns)
-    result[..., network.blocks[used], :] = (whitener_ @ padded)[..., used, :]
-    return result
-
-
-def back_to_units(network: Network, whitener_: FloatArray, white: FloatArray) -> FloatArray:
-    """Return the transposed whitener times ``white`` (..., m): derivatives by the observations in their own units."""
-    if whitener_.ndim == white.ndim:
-        return white * whitener_
-    used = network.blocks >= 0
-    padded = np.where(used, white[..., network.blocks], 0.0)
-    result = np.zeros_like(white)
-    result[..., network.blocks[used]] = (np.swapaxes(whitener_, -1, -2) @ padded[..., None])[..., used, 0]
-    return result
-
-
-def whitened(network: Network, pose: FloatArray, damping: Damping = "joint") -> tuple[FloatArray, FloatArray]:
-    """Return residuals (..., m) and Jacobian (..., m, 3) in units of their sigma at ``pose`` (..., 3)."""
-    a = jacobian(network, pose)
-    w = whitener(network, a, damping)
-    return whiten(network, w, residuals(network, pose)[..., None])[..., 0], whiten(network, w, a)
-
-
-def block_covariance(network: Network, jacobian_: FloatArray) -> FloatArray:
-    """Return the covariance of the observations of each target, (..., g, K, K); unused places have variance 1."""
-    used = network.blocks >= 0
-    j = np.where(used[..., None], jacobian_[..., network.blocks, :2], 0.0)
-    mark = network.mark[network.blocks[:, 0]]
-    variance = np.where(used, network.sigma[network.blocks] ** 2, 1.0)
-    covariance: FloatArray = j @ network.mark_covariance_m2[mark] @ np.swapaxes(j, -1, -2)
-    return covariance + variance[..., None] * np.eye(network.blocks.shape[1])
-
-
-def target_norms(network: Network, v_white: FloatArray) -> FloatArray:
-    """Return the norm of each target's whitened residuals, (..., g): chi with as many dof as it has observations."""
-    squared: FloatArray = np.where(network.blocks >= 0, v_white[..., network.blocks] ** 2, 0.0)
-    return np.asarray(np.sqrt(squared.sum(axis=-1)))
-
-
-def spread_to_observations(network: Network, per_target: FloatArray) -> FloatArray:
-    """Give each observation the value of its target: (..., g) -> (..., m); zero where it does not take part."""
-    used = network.blocks >= 0
-    result = np.zeros((*per_target.shape[:-1], len(network.kind)))
-    result[..., network.blocks[used]] = np.broadcast_to(per_target[..., None], (*per_target.shape, used.shape[1]))[
-        ..., used
-    ]
-    return result
 
 
 def prior_residual(network: Network, pose: FloatArray) -> FloatArray:

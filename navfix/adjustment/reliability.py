@@ -7,17 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.adjustment.network import (
-    Damping,
-    Network,
-    back_to_units,
-    effective_sigma,
-    jacobian,
-    prior_residual,
-    residuals,
-    whitened,
-    whitener,
-)
+from navfix.adjustment.network import Network, effective_sigma, jacobian, prior_residual, residuals
+from navfix.adjustment.whitening import back_to_units, whitened, whitener
+from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest
 
 DELTA0 = 4.1321  # Baarda: bias of a standardised residual found with power .80 by a test at alpha .001

@@ -11,10 +11,11 @@ import numpy as np
 
 from navfix.adjustment import graph
 from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
-from navfix.adjustment.network import Damping, Network, prior_residual, whitened
+from navfix.adjustment.network import Network, prior_residual
 from navfix.adjustment.start import Minimum, find_minima, follow, separation
+from navfix.adjustment.whitening import whitened
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
-from navfix.kernels import Kernel
+from navfix.kernels import Damping, Kernel
 from navfix.types import Alternative, FloatArray, PlanePosition, Position, confidence_radius
 from navfix.units import wrap_360, wrap_pi
 

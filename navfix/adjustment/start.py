@@ -15,16 +15,9 @@ import numpy as np
 
 from navfix import catalog
 from navfix.adjustment.dense import minimise, normal_matrix, observation_weights
-from navfix.adjustment.network import (
-    RANGE,
-    RELATIVE_BEARING,
-    Damping,
-    Network,
-    predict,
-    target_norms,
-    whitened,
-)
-from navfix.kernels import Kernel
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, predict
+from navfix.adjustment.whitening import target_norms, whitened
+from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
 
