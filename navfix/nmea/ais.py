@@ -110,6 +110,10 @@ def _hull(message: Any) -> Hull | None:
     return Hull(bow, stern, port, starboard)
 
 
+def _ship_type(code: int) -> int | None:
+    return int(code) or None
+
+
 def _ship_kind(mmsi: int) -> AisKind:
     return "aircraft" if mmsi in _SAR_AIRCRAFT else "ship"
 
@@ -160,7 +164,7 @@ def _base_station(message: Any, payload: Payload) -> tuple[Record, ...]:
 
 
 def _static_a(message: Any, payload: Payload) -> tuple[Record, ...]:
-    ship_type, name = int(message.ship_type), _text(message.shipname)
+    ship_type, name = _ship_type(message.ship_type), _text(message.shipname)
     return (_static(message, payload, hull=_hull(message), ship_type=ship_type, name=name),)
 
 
@@ -192,7 +196,7 @@ def _class_b(message: Any, payload: Payload, **static: Any) -> tuple[Record, ...
 
 
 def _class_b_extended(message: Any, payload: Payload) -> tuple[Record, ...]:
-    ship = {"hull": _hull(message), "ship_type": int(message.ship_type), "name": _text(message.shipname)}
+    ship = {"hull": _hull(message), "ship_type": _ship_type(message.ship_type), "name": _text(message.shipname)}
     return (*_class_b(message, payload, **ship), _static(message, payload, **ship))
 
 
@@ -221,7 +225,7 @@ def _static_b(message: Any, payload: Payload) -> tuple[Record, ...]:
     if payload.bits < _PART_B_BITS:
         raise Unreadable("ais_short", f"message type 24 B with {payload.bits} bits, expected at least {_PART_B_BITS}")
     hull = None if message.mmsi in _AUXILIARY_CRAFT else _hull(message)
-    return (_static(message, payload, hull=hull, ship_type=int(message.ship_type)),)
+    return (_static(message, payload, hull=hull, ship_type=_ship_type(message.ship_type)),)
 
 
 def _long_range(message: Any, payload: Payload) -> tuple[Record, ...]:

@@ -2,7 +2,8 @@
 
 Several instruments tell the time and disagree by seconds. One of them leads (GNSS with date, then GNSS, then the
 radar); the others are heard only when the leader has stood still for `SILENCE_S` by their own reckoning. Time never
-runs backwards, except where the instrument that tells the date shows that another recording begins.
+runs backwards, except where the instrument that tells the date shows that another recording begins; without date a jump
+of more than `SUDDEN_S` must be told twice.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ ClockBasis = Literal["none", "time_of_day", "sentence"]
 
 DAY_S = 86400.0
 SILENCE_S = 10.0
+SUDDEN_S = 60.0
 _NEW_RECORDING_S = 43200.0
 
 
@@ -30,6 +32,7 @@ class SentenceClock:
         self._date_speaker: str | None = None
         self._leader_rank = math.inf
         self._told_s: dict[str, float] = {}
+        self._sudden_s: dict[str, float] = {}
         self._heard_since_s: dict[str, float] = {}
 
     def dated(self, utc_s: float, *, speaker: str, rank: int = 0) -> None:
@@ -51,7 +54,15 @@ class SentenceClock:
         assert self.now_s is not None
         # On the day that puts it closest to now: 00:00:01 after 23:59:59 is tomorrow.
         days = round((self.now_s - utc_of_day_s) / DAY_S)
-        self._hear(utc_of_day_s + DAY_S * days, rank, speaker)
+        told_s = utc_of_day_s + DAY_S * days
+        if told_s - self.now_s <= SUDDEN_S or self._confirmed(told_s, speaker):
+            self._hear(told_s, rank, speaker)
+
+    def _confirmed(self, told_s: float, speaker: str) -> bool:
+        """Return whether the same speaker told nearly this time before: one wild time alone moves nothing."""
+        before_s = self._sudden_s.get(speaker, math.inf)
+        self._sudden_s[speaker] = told_s
+        return 0.0 <= told_s - before_s <= SUDDEN_S
 
     def _begin(self, now_s: float) -> None:
         self.now_s = now_s
