@@ -10,6 +10,7 @@ from navfix.adjustment.case import Case
 from navfix.adjustment.network import KIND_CODES, Network
 from navfix.geodesy import LocalPlane, centroid
 from navfix.types import FloatArray, PlanePosition, Position
+from navfix.units import wrap_360
 
 Place = Position | PlanePosition
 
@@ -45,6 +46,13 @@ def moved(place: Place, north_m: float, east_m: float) -> Place:
     if isinstance(place, PlanePosition):
         return PlanePosition(place.north_m + north_m, place.east_m + east_m)
     return LocalPlane(place).to_position(north_m, east_m)
+
+
+def true_heading_deg(origin: Place, place: Place, heading_deg: float) -> float:
+    """Return the heading at ``place`` of a direction in the plane about ``origin``: meridians converge."""
+    if isinstance(origin, Position) and isinstance(place, Position):
+        heading_deg += LocalPlane(origin).convergence_deg(place)
+    return wrap_360(heading_deg)
 
 
 def middle_of_marks(case: Case) -> Place:

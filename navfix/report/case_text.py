@@ -27,7 +27,7 @@ def case_report(case: Case, step: LinearStep | None, fix: Fix, others: Mapping[s
     """
     lines = [*_head(case), ""]
     if step is not None:
-        lines += [*_first_step(case, step, fix.kernel), ""]
+        lines += [*_first_step(case, step), ""]
     lines += [*_adjusted(case, fix), "", *_side_by_side(others), *_alternatives(fix)]
     lines += [f"Note: {note}" for note in fix.notes]
     return "\n".join(line.rstrip() for line in lines) + "\n"
@@ -46,9 +46,10 @@ def _head(case: Case) -> Iterator[str]:
 # -------------------------------------------------------------------------------------------------- the first step
 
 
-def _first_step(case: Case, step: LinearStep, kernel: str) -> Iterator[str]:
+def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
     heading = case.heading_unknown
-    yield f"FIRST STEP from the start: V = A dx + L, dx = -(A'PA)^-1 A'PL, P with the final weights of kernel {kernel}"
+    place = "the start" if case.start is not None else "the fix (the case has no start)"
+    yield f"FIRST STEP, classical, from {place}: V = A dx + L, dx = -(A'PA)^-1 A'PL, P = 1 / sigma^2"
     titles = f"{'A north':>12}{'A east':>12}" + (f"{'A heading':>12}" if heading else "")
     head = f"{'no mark':<12}{'kind':<9}{titles}{'L':>12}{'P':>11}{'V':>12}{'s(adj)':>10}"
     yield head

@@ -109,6 +109,20 @@ def test_north_comes_first_in_the_local_plane() -> None:
     assert plane.to_plane(Position(0.01, 0.0))[0] > 1100.0
 
 
+@pytest.mark.parametrize("bearing_deg", range(0, 360, 30))
+def test_a_plane_direction_plus_convergence_is_the_true_direction(bearing_deg: float) -> None:
+    plane = LocalPlane(Position(70.0, 179.9))
+    here = plane.to_position(10_000.0, 40_000.0)
+    assert plane.convergence_deg(here) > 0.9
+    north_m, east_m = plane.to_plane(direct(here, bearing_deg, 10.0)) - plane.to_plane(here)
+    seen_deg = math.degrees(math.atan2(east_m, north_m)) + plane.convergence_deg(here)
+    assert angle_between_deg(seen_deg, bearing_deg) < 0.0003
+
+
+def test_there_is_no_convergence_at_the_origin() -> None:
+    assert LocalPlane(Position(70.0, 179.9)).convergence_deg(Position(70.0, 179.9)) == 0.0
+
+
 def test_ecef_of_the_equator_and_the_pole_are_the_half_axes() -> None:
     assert ecef(0.0, 0.0) == pytest.approx([WGS84_A_M, 0.0, 0.0], abs=1e-9)
     assert ecef(90.0, 0.0) == pytest.approx([0.0, 0.0, WGS84_B_M], abs=1e-6)
