@@ -97,6 +97,8 @@ class AssociationModel:
     hint_wrong_share: float
     compass_sigma_deg: float
     alignment_sigma_deg: float
+    second_group_pairs: int
+    second_group_evidence: float
     stop_evidence: float
     stop_margin: float
     accept_evidence: float

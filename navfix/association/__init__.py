@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from navfix.catalog import AssociationModel, RadarModel, association_model, radar_model
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
-from navfix.types import Alternative, Association, Epoch
+from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def associate(
     scene = scenes.build(epoch, radar_model(radar), model)
     found = seeded.search(scene, model, epoch=epoch)
     _require_agreement(found, scene, model)
-    return _association(found, scene, model)
+    return _association(found, scene, model, tuple(target.label for target in epoch.targets))
 
 
 def _require_enough(epoch: Epoch) -> None:
@@ -107,7 +107,7 @@ def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternati
     )
 
 
-def _association(found: Search, scene: Scene, model: AssociationModel) -> Association:
+def _association(found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...]) -> Association:
     import numpy as np
 
     from navfix.association import ambiguity, pairs
@@ -126,6 +126,7 @@ def _association(found: Search, scene: Scene, model: AssociationModel) -> Associ
         margin=min(ahead, 1e6),
         probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
         alternatives=_alternatives(found, scene, model.accept_margin),
+        second_group=_second_group(found, scene, model, index_pairs, labels),
         notes=_notes(found),
         method=model.name,
     )
@@ -146,3 +147,16 @@ def _notes(found: Search) -> tuple[str, ...]:
         source = "heading hint" if found.field.scene.reference == "relative" else "compass in the true bearings"
         notes.append(f"The {source} is refuted: it is {off_deg:+.1f} deg off.")
     return tuple(notes)
+
+
+def _second_group(
+    found: Search, scene: Scene, model: AssociationModel, matched: IntArray, labels: tuple[str, ...]
+) -> SecondGroup | None:
+    from navfix.association import second_group
+
+    group = second_group.find(found, model, matched)
+    if group is None:
+        return None
+    shift, targets = group
+    azimuth_deg = math.degrees(math.atan2(shift.imag, shift.real)) % 360.0
+    return SecondGroup(abs(shift), azimuth_deg, tuple(labels[scene.target_index[i]] for i in targets))

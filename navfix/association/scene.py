@@ -56,12 +56,12 @@ class Scene:
         """Marks as (n, 2) for the KD-tree."""
         return np.column_stack([self.z.real, self.z.imag])
 
-    def without_targets(self, kept: NDArray[np.bool_]) -> Scene:
-        """Return the scene with only the targets that are ``kept`` (m,)."""
+    def keeping(self, targets: IntArray, marks: IntArray) -> Scene:
+        """Return the scene with only these ``targets`` and ``marks`` (indices of this scene)."""
         return Scene(
-            self.origin, self.rho[kept], self.range_m[kept], self.bearing_rad[kept], self.range_sigma_m[kept],
-            self.bearing_sigma_rad[kept], self.z, self.mark_sigma_m, self.conspicuity, self.reference,
-            self.target_index[kept], self.mark_index,
+            self.origin, self.rho[targets], self.range_m[targets], self.bearing_rad[targets],
+            self.range_sigma_m[targets], self.bearing_sigma_rad[targets], self.z[marks], self.mark_sigma_m[marks],
+            self.conspicuity[marks], self.reference, self.target_index[targets], self.mark_index[marks],
         )  # fmt: skip
 
 
