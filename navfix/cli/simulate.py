@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfix.cli import options
-from navfix.cli.errors import OK, CommandError
+from navfix.cli.errors import OK, UNREADABLE, CommandError
 
 if TYPE_CHECKING:
     from navfix.simulation.scenario import Recording
@@ -58,8 +58,13 @@ def run(args: argparse.Namespace) -> int:
         print(listing())
         return OK
     _check_outputs(args)
+    path = Path(args.scenario)
+    if path.suffix == ".toml" and not path.is_file():
+        raise CommandError(f"{path}: no such file", UNREADABLE)
     from navfix.simulation import files, scenario
 
+    if args.duration is not None and args.duration > scenario.MAXIMUM_DURATION_S:
+        raise CommandError(f"--duration: at most {scenario.MAXIMUM_DURATION_S:g} s, got {args.duration:g}")
     recording = scenario.simulate(scenario.load(args.scenario), args.seed, duration_s=args.duration)
     if not args.out:
         sys.stdout.write(files.log_text(recording))

@@ -21,7 +21,7 @@ from navfix.simulation.settings import AisSettings, OwnSensors, OwnShip, RadarSe
 from navfix.simulation.world import World, make_world, random_stream
 from navfix.types import Position
 
-_MAXIMUM_DURATION_S = 86400.0
+MAXIMUM_DURATION_S = 86400.0
 _TRUTH_INTERVAL_S = 1.0
 
 
@@ -43,9 +43,7 @@ class Scenario:
 
     def __post_init__(self) -> None:
         duration = self.duration_s
-        require(
-            0 < duration <= _MAXIMUM_DURATION_S, "duration_s", f"must be > 0 and <= {_MAXIMUM_DURATION_S}", duration
-        )
+        require(0 < duration <= MAXIMUM_DURATION_S, "duration_s", f"must be > 0 and <= {MAXIMUM_DURATION_S}", duration)
         require(self.start_utc.tzinfo is not None, "start_utc", "must carry a time zone (UTC)", self.start_utc)
         require(abs(self.origin.lat_deg) <= 88.0, "lat_deg", "must be within -88 .. 88", self.origin.lat_deg)
 
