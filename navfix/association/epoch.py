@@ -1,0 +1,148 @@
+"""The association of one epoch: search, judge, pair, and refuse where the data do not say."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from navfix.association import ambiguity, pairs, second_group, seeded
+from navfix.association import scene as scenes
+from navfix.association.scene import Scene, position_of
+from navfix.association.seeded import Search
+from navfix.catalog import AssociationModel, RadarModel, association_model, radar_model
+from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
+from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
+from navfix.units import NM_M, wrap_pi
+
+FEWEST, FEWEST_WITH_HINT = 3, 2
+
+
+def associate(
+    epoch: Epoch, *, method: str | AssociationModel = "seeded", radar: RadarModel | str = "imo"
+) -> Association:
+    """Find which target is which mark, and with it own position and heading, from any start.
+
+    Parameters
+    ----------
+    epoch : targets and marks at one instant; at least three of each
+    method : constants of the seeded Coherent Point Drift (a name in models/association)
+    radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
+
+    Returns
+    -------
+    Association - one-to-one pairs with probabilities, pose, covariance (3, 3), evidence, margin, alternatives
+
+    Raises
+    ------
+    TooFewPairs : fewer than three targets or marks
+    NoAgreement : no pose explains the echoes better than chance
+    Ambiguous : another place explains them nearly as well; it lists all of them
+
+    References
+    ----------
+    [1] Myronenko & Song (2010), Point set registration: Coherent Point Drift.  [2] Knopp, thesis, 2.2 and 4.2.
+    """
+    model = association_model(method)
+    _require_enough(epoch)
+    scene = scenes.build(epoch, radar_model(radar), model)
+    found = seeded.search(scene, model, epoch=epoch)
+    _require_agreement(found, scene, model)
+    return _association(found, scene, model, tuple(target.label for target in epoch.targets))
+
+
+def _require_enough(epoch: Epoch) -> None:
+    needed = FEWEST_WITH_HINT if epoch.heading_hint or epoch.position_hint else FEWEST
+    for word, count in (("radar targets", len(epoch.targets)), ("marks of known position", len(epoch.marks))):
+        if count < needed:
+            raise TooFewPairs(
+                f"{count} {word}: position and heading need at least {needed}", observations=2 * count, unknowns=3
+            )
+
+
+def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> None:
+    """Raise unless the best answer has enough evidence, enough marks and enough margin."""
+
+    evidence, marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
+    ahead = ambiguity.margin(found.answers)
+    fewest, enough = model.accept_pairs, model.accept_margin
+    if found.prior.has_hint and marks < fewest:
+        fewest, enough = FEWEST_WITH_HINT, model.accept_margin_with_hint
+    if evidence < model.accept_evidence or marks < fewest:
+        raise NoAgreement(
+            f"no place explains the echoes better than chance: the best matches {marks} marks "
+            f"with evidence {evidence:.1f} (needed {fewest} and {model.accept_evidence:g})",
+            evidence=evidence,
+            alternatives=_alternatives(found, scene, enough),
+        )
+    if ahead < enough:
+        alternatives = _alternatives(found, scene, enough)
+        raise Ambiguous(
+            f"{len(alternatives)} places explain the echoes nearly alike: the best is only "
+            f"{ahead:.1f} ahead (needed {enough:g})",
+            alternatives=alternatives,
+        )
+
+
+def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternative, ...]:
+    """Return every distinct answer ``within`` so many nats of the best, at least two where there are."""
+
+    answers = found.answers
+    rows = ambiguity.contenders(answers, max(within, ambiguity.margin(answers) + 1e-9))
+    return tuple(
+        Alternative(
+            position_of(scene, complex(answers.poses.p[row])),
+            math.degrees(answers.poses.heading_rad[row]) % 360.0,
+            float(answers.evidence[row]),
+            int(answers.ships[row]),
+        )
+        for row in rows
+    )
+
+
+def _association(found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...]) -> Association:
+
+    answers = found.answers
+    index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
+    ahead = ambiguity.margin(answers)
+    return Association(
+        pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
+        probability=probability,
+        position=position_of(scene, complex(answers.poses.p[0])),
+        heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
+        covariance=np.linalg.inv(answers.information[0]),
+        evidence=float(answers.evidence[0]),
+        margin=min(ahead, 1e6),
+        probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
+        alternatives=_alternatives(found, scene, model.accept_margin)[1:],
+        second_group=_second_group(found, scene, model, index_pairs, labels),
+        notes=_notes(found),
+        method=model.name,
+    )
+
+
+def _notes(found: Search) -> tuple[str, ...]:
+    """Return what the data say of the hints."""
+
+    prior, best = found.prior, found.answers.take(np.zeros(1, dtype=np.int64))
+    position_holds, heading_holds = prior.hint_holds(best.poses, best.information)[0]
+    notes = []
+    if prior.place is not None and position_holds < 0.5:
+        off_nm = abs(best.poses.p[0] - prior.place) / NM_M
+        notes.append(f"The position hint is refuted: it lies {off_nm:.1f} NM from the place that the echoes show.")
+    if prior.heading_rad is not None and heading_holds < 0.5:
+        off_deg = math.degrees(wrap_pi(prior.heading_rad - float(best.poses.heading_rad[0])))
+        source = "heading hint" if found.field.scene.reference == "relative" else "compass in the true bearings"
+        notes.append(f"The {source} is refuted: it is {off_deg:+.1f} deg off.")
+    return tuple(notes)
+
+
+def _second_group(
+    found: Search, scene: Scene, model: AssociationModel, matched: IntArray, labels: tuple[str, ...]
+) -> SecondGroup | None:
+    group = second_group.find(found, model, matched)
+    if group is None:
+        return None
+    shift, targets = group
+    azimuth_deg = math.degrees(math.atan2(shift.imag, shift.real)) % 360.0
+    return SecondGroup(abs(shift), azimuth_deg, tuple(labels[scene.target_index[i]] for i in targets))
