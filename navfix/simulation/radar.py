@@ -91,47 +91,55 @@ def detection_probability(body: Body, range_m: FloatArray, settings: RadarSettin
     return usable * settings.detection / (1.0 + (np.asarray(range_m) / half_range_m(body)) ** 4)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Antenna:
+    """The radar of one recording: what turns, from when, and how well it measures."""
+
+    world: World
+    settings: RadarSettings
+    model: RadarModel
+    starts_s: FloatArray
+
+    def sweep(
+        self,
+        plots: list[list[Plot]],
+        body: Body,
+        key: int,
+        rng: np.random.Generator,
+        window: tuple[int, int] | None = None,
+    ) -> None:
+        """Add the plots of one body; ``window`` limits a false target to some turns, with its own detection."""
+        share, count = self.settings.edge_share, len(self.starts_s)
+        first_look = view(self.world, body, self.starts_s, share)
+        passed_s = self.starts_s + self.model.turn_s * first_look.relative_deg / 360.0
+        seen = view(self.world, body, passed_s, share)
+        range_m, relative_deg = measure(seen, self.settings, self.model, rng)
+        probability = detection_probability(body, seen.range_m, self.settings)
+        if window is not None:
+            alive = (np.arange(count) >= window[0]) & (np.arange(count) <= window[1])
+            probability = np.where(alive & (probability > 0.0), _CLUTTER_DETECTION, 0.0)
+        for turn in np.flatnonzero(rng.random(count) < probability):
+            polar = float(range_m[turn]), float(relative_deg[turn])
+            velocity = float(seen.pose.north_mps[turn]), float(seen.pose.east_mps[turn])
+            plots[turn].append(Plot(key, float(seen.time_s[turn]), *polar, *velocity))
+
+
 def turns(
     world: World, settings: RadarSettings, model: RadarModel, duration_s: float, seed: int
 ) -> tuple[list[list[Plot]], list[tuple[int, int]]]:
     """Return the plots of each antenna turn in the order of the sweep, and each false target's (first, last) turn."""
     rng = random_stream(seed, "radar")
     starts_s = np.arange(int(duration_s / model.turn_s), dtype=np.float64) * model.turn_s
+    antenna = _Antenna(world, settings, model, starts_s)
     tracked = rng.random(len(world.bodies)) < settings.acquired
     plots: list[list[Plot]] = [[] for _ in starts_s]
     for key, body in enumerate(world.bodies):
         own_rng = np.random.default_rng(rng.integers(2**63, size=2))
         if body.echoes and tracked[key]:
-            _sweep(plots, world, body, key, starts_s, settings, model, own_rng)
-    windows = _add_clutter(plots, world, starts_s, settings, model, rng)
+            antenna.sweep(plots, body, key, own_rng)
+    windows = _add_clutter(antenna, plots, rng)
     sizes = {key: body.hull.length_m for key, body in enumerate(world.bodies)}
-    return [_resolved(sorted(turn, key=lambda p: p.time_s), settings, sizes) for turn in plots], windows
-
-
-def _sweep(
-    plots: list[list[Plot]],
-    world: World,
-    body: Body,
-    key: int,
-    starts_s: FloatArray,
-    settings: RadarSettings,
-    model: RadarModel,
-    rng: np.random.Generator,
-    window: tuple[int, int] | None = None,
-) -> None:
-    """Add the plots of one body; ``window`` limits a false target to some turns, with its own detection."""
-    first_look = view(world, body, starts_s, settings.edge_share)
-    seen = view(world, body, starts_s + model.turn_s * first_look.relative_deg / 360.0, settings.edge_share)
-    range_m, relative_deg = measure(seen, settings, model, rng)
-    probability = detection_probability(body, seen.range_m, settings)
-    if window is not None:
-        alive = (np.arange(len(starts_s)) >= window[0]) & (np.arange(len(starts_s)) <= window[1])
-        probability = np.where(alive & (probability > 0.0), _CLUTTER_DETECTION, 0.0)
-    for turn in np.flatnonzero(rng.random(len(starts_s)) < probability):
-        velocity = float(seen.pose.north_mps[turn]), float(seen.pose.east_mps[turn])
-        plots[turn].append(
-            Plot(key, float(seen.time_s[turn]), float(range_m[turn]), float(relative_deg[turn]), *velocity)
-        )
+    return [_resolved(turn, settings, sizes) for turn in plots], windows
 
 
 def measure(
@@ -145,33 +153,31 @@ def measure(
     return np.maximum(range_m, 1.0), wrap_360(bearing_deg)
 
 
-def _add_clutter(
-    plots: list[list[Plot]],
-    world: World,
-    starts_s: FloatArray,
-    settings: RadarSettings,
-    model: RadarModel,
-    rng: np.random.Generator,
-) -> list[tuple[int, int]]:
+def _add_clutter(antenna: _Antenna, plots: list[list[Plot]], rng: np.random.Generator) -> list[tuple[int, int]]:
     """Add false targets, more of them near by: each drifts a little and persists for some turns."""
     windows: list[tuple[int, int]] = []
-    reach_m = (settings.maximum_range_m or model.maximum_range_m) / 3.0
-    for turn in range(len(starts_s)):
+    settings = antenna.settings
+    for turn, time_s in enumerate(antenna.starts_s):
         for _ in range(int(rng.poisson(settings.false_per_turn))):
-            own = world.own.at(starts_s[turn])
-            range_m, angle = settings.minimum_range_m + rng.exponential(reach_m), rng.uniform(0.0, 2.0 * math.pi)
-            speed_mps, course = abs(rng.normal(0.0, 1.0)), rng.uniform(0.0, 2.0 * math.pi)
-            run_m = speed_mps * starts_s[turn]
-            motion = Motion(
-                float(own.north_m + range_m * math.cos(angle) - run_m * math.cos(course)),
-                float(own.east_m + range_m * math.sin(angle) - run_m * math.sin(course)),
-                course_rad=float(course),
-                speed_mps=float(speed_mps),
-            )
+            body = Body(0, "CLUTTER", "ship", _clutter_motion(antenna, float(time_s), rng), _CLUTTER)
             windows.append((turn, turn + int(rng.geometric(1.0 / settings.false_turns)) - 1))
-            body = Body(0, "CLUTTER", "ship", motion, _CLUTTER)
-            _sweep(plots, world, body, -len(windows), starts_s, settings, model, rng, windows[-1])
+            antenna.sweep(plots, body, -len(windows), rng, windows[-1])
     return windows
+
+
+def _clutter_motion(antenna: _Antenna, time_s: float, rng: np.random.Generator) -> Motion:
+    """Return a slow motion that passes a place near own ship at a time [s]; ranges are exponential."""
+    own, settings = antenna.world.own.at(time_s), antenna.settings
+    reach_m = (settings.maximum_range_m or antenna.model.maximum_range_m) / 3.0
+    range_m, angle = settings.minimum_range_m + rng.exponential(reach_m), rng.uniform(0.0, 2.0 * math.pi)
+    speed_mps, course = abs(rng.normal(0.0, 1.0)), rng.uniform(0.0, 2.0 * math.pi)
+    run_m = speed_mps * time_s
+    return Motion(
+        float(own.north_m + range_m * math.cos(angle) - run_m * math.cos(course)),
+        float(own.east_m + range_m * math.sin(angle) - run_m * math.sin(course)),
+        course_rad=float(course),
+        speed_mps=float(speed_mps),
+    )
 
 
 def _resolved(turn: list[Plot], settings: RadarSettings, sizes: dict[int, float]) -> list[Plot]:
