@@ -55,16 +55,12 @@ def run(args: argparse.Namespace) -> int:
     kernel = options.kernel(args)
     results = [_solved(name, kernel, args.damping) for name in args.case]
     lines = [to_json_line(result.content) for result in results]
-    for result, line in zip(results, lines, strict=True):
+    for result in results:
         if result.complaint:
             print(f"navfix: {result.complaint}", file=sys.stderr)
-        if args.json or result.text:
-            print(line if args.json else result.text)
-    writers = {
-        ".txt": lambda: "\n".join(result.text for result in results if result.text),
-        ".json": lambda: "".join(f"{line}\n" for line in lines),
-    }
-    options.write_outputs(args.out, writers)
+    text, as_json = "\n".join(result.text for result in results if result.text), "".join(f"{line}\n" for line in lines)
+    print(as_json if args.json else text, end="")
+    options.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json})
     return min(result.code for result in results)  # one fix is enough for 0, one readable case for 3
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 
 from navfix.adjustment.case import Case, CaseObservation
@@ -10,7 +11,7 @@ from navfix.adjustment.textbook import LinearStep
 from navfix.errors import NoFix
 from navfix.report import words
 from navfix.report.tables import clipped, number
-from navfix.types import AdjustedObservation, Fix, PlanePosition
+from navfix.types import AdjustedObservation, Fix, PlanePosition, Position
 
 _KIND = {"range": "range", "true_bearing": "true brg", "relative_bearing": "rel. brg"}
 _NAMES = {"none": "classical", "huber": "Huber", "hampel": "Hampel", "danish": "Danish"}
@@ -29,7 +30,8 @@ def case_report(case: Case, step: LinearStep | None, fix: Fix, others: Mapping[s
     if step is not None:
         lines += [*_first_step(case, step), ""]
     lines += [*_adjusted(case, fix), "", *_side_by_side(others), *_alternatives(fix)]
-    lines += [f"Note: {note}" for note in fix.notes]
+    for note in fix.notes:
+        lines += textwrap.wrap(f"Note: {note}", 100, subsequent_indent="      ")
     return "\n".join(line.rstrip() for line in lines) + "\n"
 
 
@@ -40,7 +42,7 @@ def _head(case: Case) -> Iterator[str]:
     yield f"frame {case.frame}, {len(case.marks)} marks, {used} observations, unknowns {unknowns}"
     if case.start is not None:
         heading = "" if case.heading_deg is None else f"   heading {words.bearing(case.heading_deg)}"
-        yield f"start {words.place(case.start)}{heading}"
+        yield f"start {_place(case.start)}{heading}"
 
 
 # -------------------------------------------------------------------------------------------------- the first step
@@ -50,21 +52,19 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
     heading = case.heading_unknown
     place = "the start" if case.start is not None else "the fix (the case has no start)"
     yield f"FIRST STEP, classical, from {place}: V = A dx + L, dx = -(A'PA)^-1 A'PL, P = 1 / sigma^2"
-    titles = f"{'A north':>12}{'A east':>12}" + (f"{'A heading':>12}" if heading else "")
-    head = f"{'no mark':<12}{'kind':<9}{titles}{'L':>12}{'P':>11}{'V':>12}{'s(adj)':>10}"
+    titles = "".join(f"{title:>11}" for title in ("A north", "A east", *(["A heading"] if heading else [])))
+    head = f"{'no mark':<12}{'kind':<9}{titles}{'L':>11}{'P':>11}{'V':>11}{'s(adj)':>9}"
     yield head
     yield "-" * len(head)
     for index, observation in enumerate(case.observations):
-        row = "".join(f"{value:>12.6f}" for value in step.design_matrix[index])
-        yield (
-            f"{index + 1:>2} {clipped(observation.mark, 8):<9}{_KIND[observation.kind]:<9}{row}"
-            f"{step.free_terms[index]:>12.6f}{number(step.weights[index], 10, 6):>11}"
-            f"{step.residuals[index]:>12.6f}{step.adjusted_sigma[index]:>10.3f}"
-        )
+        values = (*step.design_matrix[index], step.free_terms[index], step.weights[index], step.residuals[index])
+        row = "".join(f"{number(float(value), 10, 6):>11}" for value in values)
+        sigma = number(float(step.adjusted_sigma[index]), 8, 3)
+        yield f"{index + 1:>2} {clipped(observation.mark, 8):<9}{_KIND[observation.kind]:<9}{row}{sigma:>9}"
     turn = f"   heading {math.degrees(step.increments[2]):+.4f} deg" if heading else ""
     yield f"increments dx   north {step.increments[0]:+.3f} m   east {step.increments[1]:+.3f} m{turn}"
     sigma0 = "not known, no redundancy" if step.sigma0 is None else f"{step.sigma0:.5f}"
-    yield f"sigma0 {sigma0}   mean position error m_P {step.position_sigma_m:.2f} m"
+    yield f"sigma0 {sigma0}   mean position error m_P {step.position_sigma_m:.3f} m"
     yield "cofactors (A'PA)^-1 of " + ("north m, east m, heading rad" if heading else "north m, east m")
     for line in step.cofactors:
         yield "".join(f"{value:>18.6g}" for value in line)
@@ -76,7 +76,9 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
 
 def _adjusted(case: Case, fix: Fix) -> Iterator[str]:
     yield f"ADJUSTED with kernel {fix.kernel}, iterated to the end"
-    yield f"position  {words.place(fix.position)}"
+    yield f"position  {_place(fix.position)}"
+    if isinstance(fix.position, Position):
+        yield f"          {fix.position.lat_deg:.9f}   {fix.position.lon_deg:.9f}"
     if fix.heading_deg is not None:
         yield f"heading   {fix.heading_deg:.4f} deg +- {math.degrees(math.sqrt(fix.covariance[2, 2])):.4f} (1 sigma)"
     scaling = "scaled by sigma0" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
@@ -104,7 +106,13 @@ def _residuals(given: Sequence[CaseObservation], adjusted: Sequence[AdjustedObse
             f"{number(row.adjusted, 12, 4):>13}{number(row.residual, 10, 4, sign=True):>11}{number(row.sigma, 8, 4):>9}"
             f"{w:>7}{row.redundancy_number:>6.2f}{row.weight:>6.2f}{mdb:>10}{left_out}"
         )
-    yield "m or deg; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p weight by the kernel"
+    yield "m or deg; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p kernel weight"
+
+
+def _place(place: Position | PlanePosition) -> str:
+    if isinstance(place, PlanePosition):
+        return f"N {place.north_m:.4f} m   E {place.east_m:.4f} m"
+    return words.place(place)
 
 
 def mean_position_error_m(fix: Fix) -> float:
@@ -114,7 +122,7 @@ def mean_position_error_m(fix: Fix) -> float:
 
 def _ellipse(fix: Fix) -> str:
     ellipse = fix.ellipse(0.95)
-    return f"{ellipse.semi_major_m:.3f} x {ellipse.semi_minor_m:.3f} m towards {ellipse.azimuth_deg:.1f} deg"
+    return f"{ellipse.semi_major_m:.3f} x {ellipse.semi_minor_m:.3f} m (semi axes), {ellipse.azimuth_deg:.1f} deg"
 
 
 # ---------------------------------------------------------------------------------------------------- side by side
@@ -132,7 +140,7 @@ def _side_by_side(others: Mapping[str, Fix | NoFix]) -> Iterator[str]:
             continue
         heading = "-" if result.heading_deg is None else f"{result.heading_deg:.3f}"
         yield (
-            f"{clipped(name, 10):<11}{clipped(words.place(result.position), 41):<42}{heading:>9}"
+            f"{clipped(name, 10):<11}{clipped(_place(result.position), 41):<42}{heading:>9}"
             f"{number(result.sigma0, 8, 4):>9}{number(mean_position_error_m(result), 9, 3):>10}   {_damped(result)}"
         )
 
@@ -148,7 +156,7 @@ def _alternatives(fix: Fix) -> Iterator[str]:
         yield f"OTHER MINIMA ({len(fix.alternatives)})"
     for other in fix.alternatives:
         heading = "" if other.heading_deg is None else f"   heading {words.bearing(other.heading_deg)}"
-        yield f"{words.place(other.position)}{heading}   score {other.score:.2f}{_apart(fix, other.position)}"
+        yield f"{_place(other.position)}{heading}   score {other.score:.2f}{_apart(fix, other.position)}"
 
 
 def _apart(fix: Fix, other: object) -> str:
