@@ -162,9 +162,13 @@ def _decide(
 
 
 def _doubts(fix: Fix) -> tuple[str, ...]:
-    """Return what speaks against the fix itself."""
+    """Return what speaks against the fix itself.
+
+    Residuals larger than their sigmas are no doubt where the covariance was scaled by them.
+    """
     doubts = []
-    if fix.global_test is not None and not fix.global_test.passed:
+    unscaled = fix.covariance_scaling == "a_priori"
+    if unscaled and fix.global_test is not None and not fix.global_test.passed:
         doubts.append("doubt: the residuals of the fix are larger than their sigmas allow (global test)")
     group = fix.association.second_group if fix.association is not None else None
     if group is not None:

@@ -44,4 +44,4 @@ def test_one_wrong_place_is_found_and_many_hide_each_other() -> None:
         found[wrong] = float(np.mean(hits))
     assert found[1] > 0.98
     assert found[6] < 0.45
-    assert found[9] < 0.1
+    assert found[9] < 0.13

@@ -156,9 +156,11 @@ def test_a_second_group_is_a_caution_and_named() -> None:
     assert any("3 targets agree on another place, 1200 m towards 045 deg" in reason for reason in verdict.reasons)
 
 
-def test_a_failed_global_test_is_a_caution() -> None:
-    fix = replace(fix_with(ROUND), global_test=GlobalTest(80.0, 20.0, 31.4, False))
-    assert gnss_verdict(fix, gnss_at(0.0, 0.0)).verdict == "caution"
+def test_a_failed_global_test_is_a_caution_unless_the_covariance_was_scaled_by_it() -> None:
+    failed = GlobalTest(80.0, 20.0, 31.4, False)
+    assert gnss_verdict(replace(fix_with(ROUND), global_test=failed), gnss_at(0.0, 0.0)).verdict == "caution"
+    scaled = replace(fix_with(ROUND, dof=20.0), global_test=failed)
+    assert gnss_verdict(scaled, gnss_at(0.0, 0.0)).verdict == "ok"
 
 
 def test_the_reasons_say_what_was_not_checked() -> None:
