@@ -75,6 +75,18 @@ class LocalPlane:
         azimuth_rad = math.radians(azimuth_deg)
         return np.array([distance_m * math.cos(azimuth_rad), distance_m * math.sin(azimuth_rad)])
 
+    def all_to_plane(self, lat_deg: ArrayLike, lon_deg: ArrayLike) -> FloatArray:
+        """Return (n, 2) north, east [m] of many places at once, within 1e-4 m of `to_plane` (1e-6 m within 300 km).
+
+        Within 4000 km by Vincenty's formulas (1975), vectorised; what is farther goes one by one.
+        """
+        lat, lon = np.atleast_1d(np.asarray(lat_deg, np.float64)), np.atleast_1d(np.asarray(lon_deg, np.float64))
+        distance_m, azimuth_rad = _vincenty_inverse(self.origin, lat, lon)
+        plane = np.stack([distance_m * np.cos(azimuth_rad), distance_m * np.sin(azimuth_rad)], axis=-1)
+        for index in np.flatnonzero(~(distance_m < 4e6)):
+            plane[index] = self.to_plane(Position(float(lat[index]), float(lon[index])))
+        return plane
+
     def to_position(self, north_m: float, east_m: float) -> Position:
         """Return the place at (north, east) [m]."""
         return direct(self.origin, math.degrees(math.atan2(east_m, north_m)), math.hypot(north_m, east_m))
@@ -89,6 +101,37 @@ class LocalPlane:
         if distance_m < 1.0:
             return 0.0
         return wrap_180(azimuth_deg - math.degrees(math.atan2(-east_m, -north_m)))
+
+
+def _vincenty_inverse(origin: Position, lat_deg: FloatArray, lon_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return distances [m] and azimuths at ``origin`` [rad]; for places that are not nearly antipodal."""
+    f, b = WGS84_F, WGS84_B_M
+    u1, u2 = (
+        math.atan((1.0 - f) * math.tan(math.radians(origin.lat_deg))),
+        np.arctan((1.0 - f) * np.tan(np.radians(lat_deg))),
+    )
+    s1, c1, s2, c2 = math.sin(u1), math.cos(u1), np.sin(u2), np.cos(u2)
+    longitude = np.radians(wrap_180(lon_deg - origin.lon_deg))
+    lam = longitude
+    for _ in range(8):  # the longitude on the auxiliary sphere, eq. (11); four rounds suffice within 4000 km
+        sin_lam, cos_lam = np.sin(lam), np.cos(lam)
+        across, along = c2 * sin_lam, c1 * s2 - s1 * c2 * cos_lam
+        sin_sigma, cos_sigma = np.hypot(across, along), s1 * s2 + c1 * c2 * cos_lam
+        sigma = np.arctan2(sin_sigma, cos_sigma)
+        sin_alpha = c1 * across / np.maximum(sin_sigma, 1e-300)
+        cos2_alpha = np.maximum(1.0 - sin_alpha**2, 1e-300)
+        middle = np.where(cos2_alpha > 1e-15, cos_sigma - 2.0 * s1 * s2 / cos2_alpha, 0.0)
+        C = f / 16.0 * cos2_alpha * (4.0 + f * (4.0 - 3.0 * cos2_alpha))
+        bend = sigma + C * sin_sigma * (middle + C * cos_sigma * (2.0 * middle**2 - 1.0))
+        before, lam = lam, longitude + (1.0 - C) * f * sin_alpha * bend
+        if np.all(np.abs(lam - before) < 1e-14):
+            break
+    u = cos2_alpha * (WGS84_A_M**2 - b**2) / b**2
+    A = 1.0 + u / 16384.0 * (4096.0 + u * (-768.0 + u * (320.0 - 175.0 * u)))
+    B = u / 1024.0 * (256.0 + u * (-128.0 + u * (74.0 - 47.0 * u)))
+    cubic = B / 6.0 * middle * (4.0 * sin_sigma**2 - 3.0) * (4.0 * middle**2 - 3.0)
+    correction = B * sin_sigma * (middle + B / 4.0 * (cos_sigma * (2.0 * middle**2 - 1.0) - cubic))
+    return b * A * (sigma - correction), np.arctan2(across, along)
 
 
 def ecef(lat_deg: ArrayLike, lon_deg: ArrayLike) -> FloatArray:

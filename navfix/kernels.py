@@ -113,6 +113,11 @@ def gaussian_efficiency(kernel: Kernel, damping: Damping = "separate", *, dof: i
 # ----------------------------------------------------------------------------------------------------------- curves
 
 
+def _falling(z: FloatArray, first: float, last: float) -> FloatArray:
+    """Return the line from 1 at ``first`` to 0 at ``last``, level outside."""
+    return np.minimum(np.maximum((last - z) / (last - first), 0.0), 1.0)
+
+
 def _none_loss(z: FloatArray) -> FloatArray:
     return 0.5 * z**2
 
@@ -140,17 +145,17 @@ def _huber_weight(z: FloatArray, k: float) -> FloatArray:
 
 def _hampel_loss(z: FloatArray, a: float, b: float, c: float) -> FloatArray:
     inner = np.minimum(z, a)
-    flat = a * (np.clip(z, a, b) - a)
-    falling = np.clip(c - z, 0.0, c - b)
+    flat = a * (np.minimum(np.maximum(z, a), b) - a)
+    falling = np.minimum(np.maximum(c - z, 0.0), c - b)
     return 0.5 * inner**2 + flat + 0.5 * a * ((c - b) - falling**2 / (c - b))
 
 
 def _hampel_derivative(z: FloatArray, a: float, b: float, c: float) -> FloatArray:
-    return np.minimum(z, a) * np.clip((c - z) / (c - b), 0.0, 1.0)
+    return np.minimum(z, a) * _falling(z, b, c)
 
 
 def _hampel_weight(z: FloatArray, a: float, b: float, c: float) -> FloatArray:
-    return a / np.maximum(z, a) * np.clip((c - z) / (c - b), 0.0, 1.0)
+    return a / np.maximum(z, a) * _falling(z, b, c)
 
 
 def _danish_loss(z: FloatArray, k: float, l: float, g: float) -> FloatArray:  # noqa: E741 - the source's letter
@@ -185,20 +190,20 @@ def _tukey_weight(z: FloatArray, c: float) -> FloatArray:
 
 
 def _igg3_loss(z: FloatArray, k0: float, k1: float) -> FloatArray:
-    left = np.clip((k1 - z) / (k1 - k0), 0.0, 1.0)
+    left = _falling(z, k0, k1)
     return 0.5 * np.minimum(z, k0) ** 2 + k0 * (k1 - k0) / 3.0 * (1.0 - left**3)
 
 
 def _igg3_derivative(z: FloatArray, k0: float, k1: float) -> FloatArray:
-    return np.minimum(z, k0) * np.clip((k1 - z) / (k1 - k0), 0.0, 1.0) ** 2
+    return np.minimum(z, k0) * _falling(z, k0, k1) ** 2
 
 
 def _igg3_weight(z: FloatArray, k0: float, k1: float) -> FloatArray:
-    return k0 / np.maximum(z, k0) * np.clip((k1 - z) / (k1 - k0), 0.0, 1.0) ** 2
+    return k0 / np.maximum(z, k0) * _falling(z, k0, k1) ** 2
 
 
 def _linear_loss(z: FloatArray, k: float, k_b: float) -> FloatArray:
-    x = np.clip(z, k, k_b)
+    x = np.minimum(np.maximum(z, k), k_b)
     outer = (k_b * (x**2 - k**2) / 2.0 - (x**3 - k**3) / 3.0) / (k_b - k)
     return 0.5 * np.minimum(z, k) ** 2 + outer
 
@@ -208,7 +213,7 @@ def _linear_derivative(z: FloatArray, k: float, k_b: float) -> FloatArray:
 
 
 def _linear_weight(z: FloatArray, k: float, k_b: float) -> FloatArray:
-    return np.clip((k_b - z) / (k_b - k), 0.0, 1.0)
+    return _falling(z, k, k_b)
 
 
 FAMILIES: dict[str, Family] = {

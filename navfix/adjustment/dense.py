@@ -6,11 +6,12 @@ has no wheel.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.adjustment.network import Network, Sight, curvature, jacobian, prior_residual, residuals, sight
+from navfix.adjustment.network import Network, curvature, jacobian, prior_residual, residuals, sight
 from navfix.adjustment.whitening import (
     back_to_units,
     spread_to_observations,
@@ -44,12 +45,12 @@ def total_loss(network: Network, kernel: Kernel, damping: Damping, pose: FloatAr
     seen = sight(network, pose)
     factor = whitener(network, jacobian(network, pose, seen), damping)
     v_white = whiten_one(network, factor, residuals(network, pose, seen))
-    return _loss(network, kernel, damping, v_white, prior_residual(network, pose))
+    return _loss(network, kernel, damping, _norms(network, damping, v_white), prior_residual(network, pose))
 
 
 def observation_weights(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> FloatArray:
     """Return the weight of each observation at ``pose`` (..., 3): (..., m) within 0 .. 1, zero where masked out."""
-    return _weights(network, kernel, damping, whitened(network, pose, damping)[0])
+    return _weights(network, kernel, damping, _norms(network, damping, whitened(network, pose, damping)[0]))
 
 
 def normal_matrix(network: Network, a_white: FloatArray, weights: FloatArray) -> FloatArray:
@@ -94,15 +95,19 @@ def _iterate(
     a = jacobian(network, pose, seen)
     factor = whitener(network, a, damping)
     v_white, a_white = whiten_one(network, factor, residuals(network, pose, seen)), whiten(network, factor, a)
-    weights = _weights(network, kernel, damping, v_white)
+    z = _norms(network, damping, v_white)
+    weights = _weights(network, kernel, damping, z)
     gradient = _gradient(network, a_white, weights * v_white, pose)
     matrix = normal_matrix(network, a_white, weights)
-    newton = _second_order(network, kernel, damping, seen, factor, a_white, v_white, weights, matrix)
+    newton = matrix.copy()
+    newton[..., :2, :2] += curvature(network, seen, back_to_units(network, factor, weights * v_white))
+    if kernel.family != "none":
+        newton += _kernel_curvature(network, kernel, damping, a_white, v_white, z)
     step, length = _step(network, matrix, newton, gradient, mu)
     tried = pose + step
-    v_tried = whiten_one(network, factor, residuals(network, tried))
-    before = _loss(network, kernel, damping, v_white, prior_residual(network, pose))
-    after = _loss(network, kernel, damping, v_tried, prior_residual(network, tried))
+    z_tried = _norms(network, damping, whiten_one(network, factor, residuals(network, tried)))
+    before = _loss(network, kernel, damping, z, prior_residual(network, pose))
+    after = _loss(network, kernel, damping, z_tried, prior_residual(network, tried))
     better = after <= before * (1.0 + 1e-13)
     mu = np.where(better, np.maximum(mu * 0.1, _SMALLEST_MU), np.maximum(mu * 10.0, 1e-3))
     return np.where(better[:, None], tried, pose), mu, np.where(better | (length < 1e-6), length, np.inf)
@@ -134,75 +139,63 @@ def _step(
     return step, np.sqrt(np.sum(along**2 / values, axis=-1))
 
 
-def _second_order(
-    network: Network,
-    kernel: Kernel,
-    damping: Damping,
-    seen: Sight,
-    factor: FloatArray,
-    a_white: FloatArray,
-    v_white: FloatArray,
-    weights: FloatArray,
-    matrix: FloatArray,
-) -> FloatArray:
-    """Return A'WA plus the curvature of the observations and that of the kernel, (s, 3, 3)."""
-    full = matrix.copy()
-    full[..., :2, :2] += curvature(network, seen, back_to_units(network, factor, weights * v_white))
-    if kernel.family == "none":
-        return full
-    slopes = a_white * v_white[..., None]
-    if damping == "joint":
-        slopes = np.swapaxes(target_sums(network, np.swapaxes(slopes, -1, -2)), -1, -2)
-    bend = _bend(network, kernel, damping, v_white)
-    return full + np.swapaxes(slopes * bend[..., None], -1, -2) @ slopes
-
-
 # ---------------------------------------------------------------------------------------- the kernel over a network
 
 
-def _stretch(network: Network) -> tuple[IntArray, FloatArray]:
+def _norms(network: Network, damping: Damping, v_white: FloatArray) -> FloatArray:
+    """Return what the kernel acts on: the norm of each target (..., g), or each residual's size (..., m)."""
+    return target_norms(network, v_white) if damping == "joint" else np.abs(v_white)
+
+
+def _stretch(network: Network) -> tuple[IntArray, FloatArray | float]:
     """Return the sizes of the targets and the factor that brings a norm of more than two residuals to that of two."""
     sizes = network.block_sizes
-    return sizes, np.sqrt(np.maximum(sizes, 2) / 2.0)
+    return sizes, 1.0 if network.blocks.shape[1] <= 2 else np.sqrt(np.maximum(sizes, 2) / 2.0)
 
 
-def _loss(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray, prior: FloatArray) -> FloatArray:
+def _loss(network: Network, kernel: Kernel, damping: Damping, z: FloatArray, prior: FloatArray) -> FloatArray:
     if damping == "separate":
-        damped = kernel.loss(np.abs(v_white), "separate").sum(axis=-1)
-    else:
-        sizes, stretch = _stretch(network)
-        z = target_norms(network, v_white)
-        joint = kernel.loss(z / stretch, "joint") * stretch**2
-        damped = joint.sum(axis=-1) if sizes.min(initial=2) > 1 else _mixed(sizes, kernel.loss(z), joint).sum(axis=-1)
-    return np.asarray(damped + 0.5 * prior**2)
-
-
-def _weights(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray) -> FloatArray:
-    if damping == "separate":
-        return kernel.weight(np.abs(v_white), "separate") * network.mask
+        return np.asarray(kernel.loss(z, "separate").sum(axis=-1) + 0.5 * prior**2)
     sizes, stretch = _stretch(network)
-    z = target_norms(network, v_white)
+    joint = kernel.loss(z / stretch, "joint") * stretch**2
+    return np.asarray(_mixed(sizes, joint, kernel.loss, z).sum(axis=-1) + 0.5 * prior**2)
+
+
+def _weights(network: Network, kernel: Kernel, damping: Damping, z: FloatArray) -> FloatArray:
+    """Return one weight per observation (..., m) from the norms."""
+    if damping == "separate":
+        return kernel.weight(z, "separate") * network.mask
+    sizes, stretch = _stretch(network)
     joint = kernel.weight(z / stretch, "joint")
-    per_target = joint if sizes.min(initial=2) > 1 else _mixed(sizes, kernel.weight(z), joint)
-    return spread_to_observations(network, per_target)
+    return spread_to_observations(network, _mixed(sizes, joint, kernel.weight, z))
 
 
-def _bend(network: Network, kernel: Kernel, damping: Damping, v_white: FloatArray) -> FloatArray:
-    """Return (psi' - w) / z^2 of each target (joint) or observation (separate): d w / d z / z, by differences."""
-    sizes, stretch = _stretch(network)
-    z = target_norms(network, v_white) / stretch if damping == "joint" else np.abs(v_white)
-    z = np.maximum(z, 1e-3)
-    bend = _weight_slope(kernel, damping, z) / z
+def _kernel_curvature(
+    network: Network, kernel: Kernel, damping: Damping, a_white: FloatArray, v_white: FloatArray, z: FloatArray
+) -> FloatArray:
+    """Return the part of the second derivative that comes from the falling weight, (..., 3, 3).
+
+    The loss of the norm z of v has the second derivative w I + (dw/dz / z) v v'.
+    """
+    slopes = a_white * v_white[..., None]
     if damping == "separate":
-        return bend * network.mask
-    bend = bend / stretch**2
-    return bend if sizes.min(initial=2) > 1 else _mixed(sizes, _weight_slope(kernel, "separate", z) / z, bend)
+        bend = _weight_slope(kernel, "separate", z) * network.mask
+    else:
+        slopes = np.swapaxes(target_sums(network, np.swapaxes(slopes, -1, -2)), -1, -2)
+        sizes, stretch = _stretch(network)
+        joint = _weight_slope(kernel, "joint", z / stretch) / stretch**2
+        bend = _mixed(sizes, joint, lambda single: _weight_slope(kernel, "separate", single), z)
+    return np.asarray(np.swapaxes(slopes * bend[..., None], -1, -2) @ slopes)
 
 
 def _weight_slope(kernel: Kernel, damping: Damping, z: FloatArray) -> FloatArray:
-    return (kernel.weight(z + 1e-5, damping) - kernel.weight(z - 1e-5, damping)) / 2e-5
+    """Return dw/dz / z, by differences."""
+    z = np.maximum(z, 1e-3)
+    return np.asarray((kernel.weight(z + 1e-5, damping) - kernel.weight(z - 1e-5, damping)) / (2e-5 * z))
 
 
-def _mixed(sizes: IntArray, single: FloatArray, joint: FloatArray) -> FloatArray:
+def _mixed(
+    sizes: IntArray, joint: FloatArray, separate: Callable[[FloatArray], FloatArray], z: FloatArray
+) -> FloatArray:
     """Take the one-dimensional constants for targets of which only one observation takes part."""
-    return np.where(sizes == 1, single, joint)
+    return joint if sizes.min(initial=2) > 1 else np.where(sizes == 1, separate(z), joint)

@@ -19,7 +19,7 @@ from navfix.adjustment.start import Minimum, find_minima, follow
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.errors import InputError, TooFewPairs
-from navfix.geodesy import LocalPlane, centroid, cloud_to_plane, inverse
+from navfix.geodesy import LocalPlane, centroid
 from navfix.kernels import Damping, Kernel
 from navfix.types import (
     AdjustedObservation,
@@ -34,10 +34,10 @@ from navfix.types import (
     Position,
     RadarTarget,
 )
-from navfix.units import wrap_360, wrap_pi
+from navfix.units import wrap_360
 
 _STANDS_STILL_M = 1e-3
-_TURNED_RAD = math.radians(0.02)  # convergence between search planes that is small beside any radar's bearing sigma
+_TURNED_DEG = 0.02  # convergence between search planes that is small beside any radar's bearing sigma
 _PLANES = 12
 _CONSPICUOUS = 3.2905  # 0.1 % of a normal distribution, two-sided
 
@@ -175,17 +175,17 @@ def _search(
     Directions in a plane are true only at its origin. The first origin is a given pose or the middle of the marks;
     where true bearings or a heading prior make north matter, the search moves to where it led until north stays.
     """
-    lat, lon = [p.mark.position.lat_deg for p in pairs], [p.mark.position.lon_deg for p in pairs]
+    lat, lon = _coordinates(pairs)
     origin = start[0] if start is not None else association.position or centroid(lat, lon)
     given = start or ((association.position, association.heading_deg) if association.position is not None else None)
     north_matters = network.prior_counts or bool(np.any((network.kind == TRUE_BEARING) & network.mask))
     for _ in range(_PLANES):
         plane = LocalPlane(origin)
-        network = network.with_marks(cloud_to_plane(origin, lat, lon))
+        network = network.with_marks(plane.all_to_plane(lat, lon))
         minima = _minima(network, plane, kernel, damping, given, follow_given=start is not None)
         north_m, east_m = (float(x) for x in minima[0].pose[:2])
         there = plane.to_position(north_m, east_m)
-        if not north_matters or abs(_convergence(plane, there)) < _TURNED_RAD:
+        if not north_matters or abs(plane.convergence_deg(there)) < _TURNED_DEG:
             break
         origin = there
     return plane, network, minima
@@ -203,8 +203,8 @@ def _minima(
     if given is None:
         return find_minima(network, kernel, damping)
     position, heading_deg = given
-    turn_rad = _convergence(plane, position)
-    pose = np.array([*plane.to_plane(position), math.radians(heading_deg or 0.0) - turn_rad])
+    plane_heading_deg = (heading_deg or 0.0) - plane.convergence_deg(position)
+    pose = np.array([*plane.to_plane(position), math.radians(plane_heading_deg)])
     minima = find_minima(network, kernel, damping, given=(("association", pose),))
     if not follow_given:
         return minima
@@ -212,13 +212,8 @@ def _minima(
     return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]
 
 
-def _convergence(plane: LocalPlane, position: Position) -> float:
-    """Return true minus plane direction [rad] at a place of the plane."""
-    north_m, east_m = plane.to_plane(position)
-    distance_m, azimuth_deg = inverse(position, plane.origin)
-    if distance_m < 1.0:
-        return 0.0
-    return float(wrap_pi(math.radians(azimuth_deg) - math.atan2(-east_m, -north_m)))
+def _coordinates(pairs: Sequence[Pair]) -> tuple[list[float], list[float]]:
+    return [p.mark.position.lat_deg for p in pairs], [p.mark.position.lon_deg for p in pairs]
 
 
 class _Placer:
@@ -229,17 +224,18 @@ class _Placer:
 
     def __call__(self, pose: FloatArray) -> tuple[Position, float | None]:
         position = self._plane.to_position(float(pose[0]), float(pose[1]))
-        return position, float(wrap_360(math.degrees(pose[2] + _convergence(self._plane, position))))
+        return position, wrap_360(math.degrees(float(pose[2])) + self._plane.convergence_deg(position))
 
 
 def _stand_still(
     plane: LocalPlane, network: Network, pairs: Sequence[Pair], kernel: Kernel, damping: Damping, best: Minimum
 ) -> tuple[LocalPlane, Network, Minimum]:
     """Re-centre the plane on the estimate until it stands still: then ranges and bearings are exact geodesics."""
+    lat, lon = _coordinates(pairs)
     for _ in range(_PLANES):
         before = network.mark_ne_m - best.pose[:2]
         plane = LocalPlane(plane.to_position(float(best.pose[0]), float(best.pose[1])))
-        network = network.with_marks(np.array([plane.to_plane(pair.mark.position) for pair in pairs]))
+        network = network.with_marks(plane.all_to_plane(lat, lon))
         turn_rad = cmath.phase(complex(np.sum(_complex(network.mark_ne_m) * np.conj(_complex(before)))))
         start = np.array([0.0, 0.0, best.pose[2] + turn_rad * network.heading_unknown])
         best = replace(follow(network, kernel, damping, start, best.start), start=best.start)

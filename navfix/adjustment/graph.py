@@ -102,8 +102,8 @@ def _parameters() -> Any:
     import gtsam
 
     parameters = gtsam.LevenbergMarquardtParams()
-    parameters.setRelativeErrorTol(1e-15)
-    parameters.setAbsoluteErrorTol(1e-15)
+    parameters.setRelativeErrorTol(1e-13)
+    parameters.setAbsoluteErrorTol(1e-13)
     parameters.setMaxIterations(200)
     return parameters
 

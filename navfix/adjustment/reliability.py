@@ -158,18 +158,18 @@ def radius_of_probability(covariance_m2: FloatArray, probability: float, *, dof:
         return 0.0
     form = 1.0 / np.maximum((major * np.cos(_CIRCLE)) ** 2 + (minor * np.sin(_CIRCLE)) ** 2, 1e-12 * major**2)
 
-    def beyond(radius: float) -> float:
-        q = radius**2 * form
-        tail = np.exp(-0.5 * q) if dof is None else (1.0 + q / dof) ** (-0.5 * dof)
-        return float(tail.mean())
-
-    low, high = 0.0, 10.0 * major
-    while beyond(high) > 1.0 - probability:
-        high *= 2.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if beyond(middle) > 1.0 - probability else (low, middle)
-    return 0.5 * (low + high)
+    squared = -2.0 * math.log1p(-probability) * major**2
+    for _ in range(50):  # Newton's method on the logarithm of what lies beyond, nearly linear in R^2
+        if dof is None:
+            tail, slope = np.exp(-0.5 * squared * form), -0.5 * form
+        else:
+            tail, slope = (1.0 + squared * form / dof) ** (-0.5 * dof), -0.5 * form / (1.0 + squared * form / dof)
+        beyond = float(tail.mean())
+        change = math.log(beyond / (1.0 - probability)) * beyond / float((tail * slope).mean())
+        squared = max(squared - change, 0.25 * squared)
+        if abs(change) <= 1e-12 * squared:
+            break
+    return math.sqrt(squared)
 
 
 _CIRCLE = (np.arange(256) + 0.5) * (2.0 * np.pi / 256)

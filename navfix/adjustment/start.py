@@ -25,9 +25,10 @@ DISTINCT_M = 50.0
 DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
 _CONSENSUS_STARTS = 5
-_TRIAL_BUDGET = 12_000  # trials x observations
+_TRIAL_BUDGET = 5_000  # trials x observations
 _GRID_RINGS, _GRID_SPOKES = 14, 36
-_COARSE, _FINE = 1e-2, 1e-9  # sigma
+_ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
+_ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 6, 12, 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,11 +49,14 @@ def find_minima(
     Minima are distinct when they lie more than 50 m apart (less in a small, precise network: five sigma), or when
     their headings differ by more than 5 deg.
     """
-    names, poses = _starts(network, damping, given)
-    coarse = minimise(network, kernel, damping, poses, tolerance=_COARSE, iterations=60)
-    chosen = _distinct(coarse.pose, coarse.loss, *separation(network, coarse.pose[int(np.argmin(coarse.loss))]))
-    fine = minimise(network, kernel, damping, coarse.pose[chosen], tolerance=_FINE)
-    kept = _distinct(fine.pose, fine.loss, *separation(network, fine.pose[int(np.argmin(fine.loss))]))
+    trials = trial_fixes(network)
+    score = consensus(network, trials)
+    apart = separation(network, trials[int(np.argmin(score))])
+    names, poses = _starts(network, damping, given, trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)])
+    coarse = minimise(network, kernel, damping, poses, tolerance=_COARSE, iterations=_COARSE_STEPS)
+    chosen = _distinct(coarse.pose, coarse.loss, *apart)
+    fine = minimise(network, kernel, damping, coarse.pose[chosen], tolerance=_FINE, iterations=_FINE_STEPS)
+    kept = _distinct(fine.pose, fine.loss, *apart)
     weights = observation_weights(network, kernel, damping, fine.pose)
     first = network.blocks[:, 0]
     return [
@@ -80,18 +84,19 @@ def separation(network: Network, pose: FloatArray) -> tuple[float, float]:
 
 
 def _starts(
-    network: Network, damping: Damping, given: tuple[tuple[str, FloatArray], ...]
+    network: Network, damping: Damping, given: tuple[tuple[str, FloatArray], ...], agreed: FloatArray
 ) -> tuple[list[str], FloatArray]:
-    names, poses = [name for name, _ in given], [np.asarray(pose, np.float64) for _, pose in given]
-    trials = trial_fixes(network)
-    score = consensus(network, trials)
-    best = _distinct(trials, score, *separation(network, trials[int(np.argmin(score))]), limit=_CONSENSUS_STARTS)
-    names += ["consensus"] * len(best)
-    poses += list(trials[best])
-    for name in ("huber", "none"):
-        smooth = minimise(network, catalog.kernel(name), damping, trials[best[:1]], tolerance=_COARSE, iterations=40)
-        names.append("huber" if name == "huber" else "least squares")
-        poses.append(smooth.pose[0])
+    """Return names and poses: the given ones, those of the consensus (c, 3), and from its best Huber and least squares.
+
+    Huber and least squares are not followed to the end: as starts they need not be.
+    """
+    names = [name for name, _ in given] + ["consensus"] * len(agreed)
+    poses = [np.asarray(pose, np.float64) for _, pose in given] + list(agreed)
+    for name, kernel in (("huber", "huber"), ("least squares", "none")):
+        damper = catalog.kernel(kernel)
+        found = minimise(network, damper, damping, agreed[:1], tolerance=_ROUGH, iterations=_ROUGH_STEPS)
+        names.append(name)
+        poses.append(found.pose[0])
     return names, np.array(poses)
 
 
