@@ -1,4 +1,7 @@
-"""Put what `navfix demo` prints into the README, its picture into docs/images: `python docs/make_readme.py`."""
+"""Put what `navfix demo` and the README's Python print into the README: `python docs/make_readme.py`.
+
+The picture of the demo goes into docs/images.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,14 @@ import contextlib
 import io
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 from navfix.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
-BEGIN, END = "<!-- demo output: begin -->\n", "<!-- demo output: end -->\n"
 ROWS = 6  # of the residual table: the README shows its form, the report all of it
 
 
@@ -38,21 +42,32 @@ def shortened(report: str) -> str:
     return "\n".join([*lines[: rule + 1 + ROWS], "  ..."]) + "\n"
 
 
-def block(report: str) -> str:
-    """Return what stands between the marks of the README."""
-    return f"\n```text\n{shortened(report)}```\n\n"
+def snippet_output(readme: str, folder: Path) -> str:
+    """Run the first Python of the README in a folder with the shipped log as approach.nmea; return what it prints."""
+    shutil.copy(ROOT / "data" / "logs" / "approach.nmea", folder / "approach.nmea")
+    code = readme.partition("```python\n")[2].partition("```")[0]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    return subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=environment, capture_output=True, text=True, check=True
+    ).stdout
 
 
-def between_marks(readme: str) -> str:
-    """Return what stands between the marks of a README."""
-    return readme.partition(BEGIN)[2].partition(END)[0]
+def fill(readme: str, name: str, text: str) -> str:
+    """Return the README with a text between the marks of this name."""
+    begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->\n"
+    before, _, rest = readme.partition(begin)
+    return f"{before}{begin}\n```text\n{text}```\n\n{end}{rest.partition(end)[2]}"
+
+
+def filled(readme: str, folder: Path) -> str:
+    """Return the README with all outputs as they are now; the demo leaves its files in the folder."""
+    readme = fill(readme, "demo output", shortened(demo_output(folder)))
+    return fill(readme, "python output", snippet_output(readme, folder))
 
 
 if __name__ == "__main__":
     path = ROOT / "README.md"
-    readme = path.read_text(encoding="utf-8")
     with tempfile.TemporaryDirectory() as folder:
-        report = demo_output(Path(folder))
+        path.write_text(filled(path.read_text(encoding="utf-8"), Path(folder)), encoding="utf-8")
         (ROOT / "docs" / "images").mkdir(exist_ok=True)
         shutil.copy(Path(folder) / "navfix-demo" / "fix.svg", ROOT / "docs" / "images" / "demo.svg")
-    path.write_text(readme.replace(BEGIN + between_marks(readme) + END, BEGIN + block(report) + END), encoding="utf-8")
