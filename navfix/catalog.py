@@ -79,6 +79,7 @@ class AssociationModel:
     cell_deg: float
     votes_at_most: int
     annealing: list[float]
+    finalists: int
     neighbours: int
     clutter_share: list[float]
     detection_level: list[float]

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from navfix.association.scene import Scene
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
 from navfix.types import FloatArray, IntArray
+
+NOMINAL_SHARE = 0.4  # of clutter among the echoes, while the pose is sought; the evidence averages over it
+NOMINAL_LEVEL = 0.6  # of detection, likewise
 
 
 class Field:
@@ -95,24 +97,39 @@ def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0
 
 
 def refine(field: Field, poses: Poses) -> tuple[Poses, FloatArray]:
-    """Run the annealed EM from every pose; return the poses and their information matrices (k, 3, 3)."""
-    information = np.zeros((len(poses), 3, 3))
-    for widening in field.model.annealing:
-        poses, information = em_step(field, poses, widening)
+    """Run the annealed EM from every pose; return the poses and their information matrices (k, 3, 3).
+
+    After the wide steps only the ``model.finalists`` best go on: the others are accidents of the vote.
+    """
+    widest, rest = field.model.annealing[:2], field.model.annealing[2:]
+    gain = np.zeros(len(poses))
+    for widening in widest:
+        poses, information, gain = em_step(field, poses, widening)
+    if len(poses) > field.model.finalists:
+        poses = poses.take(np.argsort(-gain, kind="stable")[: field.model.finalists])
+    for widening in rest:
+        poses, information, _ = em_step(field, poses, widening)
     return poses, information
 
 
-def em_step(field: Field, poses: Poses, widening: float) -> tuple[Poses, FloatArray]:
-    """One E-step and one M-step at all poses (k); return them with the information matrices (k, 3, 3) of (p, h)."""
+def em_step(field: Field, poses: Poses, widening: float) -> tuple[Poses, FloatArray, FloatArray]:
+    """One E-step and one M-step at all poses (k).
+
+    Returns
+    -------
+    the moved poses, the information matrices (k, 3, 3) of (p, h), and the log likelihood ratio (k,) before the step
+    """
     scene = field.scene
     fit = lay_over(field, poses)
-    ratio = likelihood_ratio(field, fit, level=0.6, widening=widening)
-    responsibility = ratio / (0.4 + ratio.sum(axis=2, keepdims=True))  # M&S eq. 6
+    ratio = likelihood_ratio(field, fit, NOMINAL_LEVEL, widening)
+    total = NOMINAL_SHARE + ratio.sum(axis=2, keepdims=True)
+    responsibility = ratio / total  # M&S eq. 6
     weight_radial = responsibility / fit.radial_m2
     weight_tangential = responsibility / fit.tangential_m2
     information, gradient = _normal_equations(scene, poses, fit, weight_radial, weight_tangential, widening)
     step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
-    return Poses(poses.p + step[:, 0] + 1j * step[:, 1], poses.heading_rad + step[:, 2]), information
+    moved = Poses(poses.p + step[:, 0] + 1j * step[:, 1], poses.heading_rad + step[:, 2])
+    return moved, information, np.log(total).sum(axis=(1, 2))
 
 
 def _normal_equations(
@@ -163,10 +180,3 @@ def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
         np.fill_diagonal(kernel, 0.0)
         densest = np.maximum(densest, kernel.sum(axis=1))
     return np.maximum(uniform, 0.5 * uniform + 0.5 * densest)
-
-
-def inside(field: Field, poses: Poses) -> NDArray[np.bool_]:
-    """Tell which poses (k,) have any mark within radar range."""
-    nearest, _ = field.tree.query(np.column_stack([poses.p.real, poses.p.imag]))
-    within: NDArray[np.bool_] = nearest <= field.scene.radar_range_m
-    return within

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.em import Field, Fit, lay_over, likelihood_ratio
+from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, Field, Fit, lay_over, likelihood_ratio
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
@@ -92,7 +92,7 @@ def _log_missed(field: Field, poses: Poses, level: float) -> FloatArray:
 
 def _matched(field: Field, fit: Fit) -> FloatArray:
     """Return how many distinct marks (k,) some target is more likely to be than clutter."""
-    ratio = likelihood_ratio(field, fit, level=0.6)
-    posterior = ratio / (0.4 + ratio.sum(axis=2, keepdims=True))
+    ratio = likelihood_ratio(field, fit, NOMINAL_LEVEL)
+    posterior = ratio / (NOMINAL_SHARE + ratio.sum(axis=2, keepdims=True))
     taken = (posterior > 0.5) & (fit.distance_sq < 11.8)
     return np.array([len(np.unique(mark[row])) for mark, row in zip(fit.mark, taken, strict=True)], dtype=np.float64)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from navfix.association.em import Field, lay_over, likelihood_ratio
+from navfix.association.em import NOMINAL_LEVEL, Field, lay_over, likelihood_ratio
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
 
@@ -19,7 +19,7 @@ def one_to_one(field: Field, pose: Poses) -> tuple[IntArray, FloatArray]:
     clutter and all marks near the target, and among all targets near the mark.
     """
     fit = lay_over(field, pose)
-    level, share = 0.6, _clutter_share(field, pose)
+    level, share = NOMINAL_LEVEL, _clutter_share(field, pose)
     ratio = np.where(fit.distance_sq <= GATE, likelihood_ratio(field, fit, level), 0.0)[0] / share
     dense = np.zeros((len(field.scene.rho), len(field.scene.z)))
     np.put_along_axis(dense, fit.mark[0], ratio, axis=1)
@@ -48,7 +48,7 @@ def association_marginals(ratio: FloatArray, sweeps: int = 30) -> FloatArray:
 
 def _clutter_share(field: Field, pose: Poses, sweeps: int = 10) -> float:
     """Return the share of echoes that are clutter at this pose, by EM from one half."""
-    ratio = likelihood_ratio(field, lay_over(field, pose), 0.6).sum(axis=2)[0]
+    ratio = likelihood_ratio(field, lay_over(field, pose), NOMINAL_LEVEL).sum(axis=2)[0]
     share = 0.5
     for _ in range(sweeps):
         share = float(np.clip(np.mean(share / (share + ratio)), 0.05, 0.95))

@@ -126,12 +126,12 @@ def _variance_along(scene: Scene, target: IntArray, direction: ComplexArray) -> 
 
 def _spread(i: IntArray, j: IntArray, order: IntArray, targets: int) -> IntArray:
     """Reorder so that every leading part uses each target about equally often: one wrong target must not fill it."""
-    taken = np.zeros(targets, dtype=np.int64)
-    rounds = np.empty(len(order), dtype=np.int64)
-    for place, k in enumerate(order):
-        rounds[place] = max(taken[i[k]], taken[j[k]])
-        taken[i[k]] += 1
-        taken[j[k]] += 1
+    ends = np.stack([i[order], j[order]], axis=1).ravel()
+    by_target = np.argsort(ends, kind="stable")
+    first = np.searchsorted(ends[by_target], np.arange(targets))
+    taken = np.empty(len(ends), dtype=np.int64)  # how often a target was used before
+    taken[by_target] = np.arange(len(ends)) - first[ends[by_target]]
+    rounds = taken.reshape(-1, 2).max(axis=1)
     per_round = max(2.0, 2.6 * 50 / max(targets, 1))
     return order[np.argsort(rounds // per_round, kind="stable")]
 
@@ -149,21 +149,28 @@ def _fullest_cells(voted: Poses, model: AssociationModel, shift: float) -> Poses
     key = (north * 73856093 ^ east * 19349663 ^ turn * 83492791) & 0x7FFFFFFFFFFF
     bucket = (key ^ (key >> bits)) & ((1 << bits) - 1)
     count = np.bincount(bucket, minlength=1 << bits)
-    best = np.argpartition(count, -model.seeds)[-model.seeds :] if len(count) > model.seeds else np.arange(len(count))
-    best = best[count[best] > 0]
+    best = np.flatnonzero(count >= _count_of_the_fullest(count, model.seeds))
     rank = np.full(1 << bits, -1, dtype=np.int32)
     rank[best] = np.arange(len(best))
     member = np.flatnonzero(rank[bucket] >= 0)
-    return _cell_means(p[member], heading_rad[member], rank[bucket[member]], np.stack([north, east, turn])[:, member])
+    cells = np.stack([north, east, turn])[:, member]
+    return _cell_means(p[member], heading_rad[member], rank[bucket[member]], cells, model.seeds)
 
 
-def _cell_means(p: ComplexArray, heading_rad: FloatArray, bucket: IntArray, cell: IntArray) -> Poses:
+def _count_of_the_fullest(count: IntArray, wanted: int) -> int:
+    """Return the least count among the ``wanted`` fullest cells, at least 1."""
+    cells_with = np.bincount(count)
+    cells_at_least = np.cumsum(cells_with[::-1])[::-1]
+    return max(1, int(np.flatnonzero(cells_at_least >= wanted).max(initial=1)))
+
+
+def _cell_means(p: ComplexArray, heading_rad: FloatArray, bucket: IntArray, cell: IntArray, most: int) -> Poses:
     """Return the mean pose of each true cell among the members of the fullest buckets (two cells may share one)."""
     order = np.lexsort((cell[2], cell[1], cell[0], bucket))
     steps = np.any(np.diff(np.vstack([bucket, cell])[:, order], axis=1) != 0, axis=0)
     starts = np.flatnonzero(np.concatenate([[True], steps]))
     size = np.diff(np.concatenate([starts, [len(order)]]))
-    top = np.argsort(-size, kind="stable")[: int(bucket.max()) + 1]
+    top = np.argsort(-size, kind="stable")[:most]
     mean_p = np.asarray(np.add.reduceat(p[order], starts) / size, dtype=np.complex128)
     mean_turn = np.add.reduceat(np.exp(1j * heading_rad[order]), starts)
     return Poses(mean_p[top], np.angle(mean_turn[top]))
