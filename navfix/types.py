@@ -324,9 +324,8 @@ def _find(key: int | str, labels: Sequence[str], word: str) -> int:
     if isinstance(key, str):
         hits = [index for index, label in enumerate(labels) if label == key]
         if len(hits) != 1:
-            raise InputError(
-                f"{word} {key!r}: {'unknown' if not hits else 'more than one has this label'}; labels are {', '.join(labels[:20])}"
-            )
+            why = "unknown" if not hits else "more than one has this label"
+            raise InputError(f"{word} {key!r}: {why}; labels are {', '.join(labels[:20])}")
         return hits[0]
     if not 0 <= int(key) < len(labels):
         raise InputError(f"{word} index {key} is out of range: there are {len(labels)} {word}s")
@@ -338,7 +337,7 @@ def _find(key: int | str, labels: Sequence[str], word: str) -> int:
 
 @dataclass(frozen=True, slots=True)
 class Ellipse:
-    """Confidence ellipse that holds the truth with ``probability``; azimuth of the major axis from north, 0 .. 180 deg."""
+    """Confidence ellipse that holds the truth with ``probability``; azimuth of its major axis, 0 .. 180 deg."""
 
     semi_major_m: float
     semi_minor_m: float
