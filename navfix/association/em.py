@@ -89,7 +89,7 @@ def lay_over(field: Field, poses: Poses) -> Fit:
 
 
 def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0) -> FloatArray:
-    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (A5) of the theory."""
+    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (6.4) of the theory."""
     scene = field.scene
     pd = level * field.detection(scene.range_m[None, :, None], scene.conspicuity[fit.mark])
     ratio: FloatArray = pd / (1.0 - pd) * np.exp(fit.log_density(widening)) / field.clutter_per_m2[None, :, None]
@@ -166,7 +166,7 @@ def _normal_equations(
 
 
 def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
-    """Return echoes per m^2 about each target (m,), from the other targets: eq. (A4) of the theory.
+    """Return echoes per m^2 about each target (m,), from the other targets: eq. (6.6) of the theory.
 
     Echoes come in clusters (anchorages, moorings). Half a uniform density plus half a leave-one-out kernel, and never
     less than the uniform one.

@@ -2,7 +2,7 @@
 
 Echoes are a Poisson clutter of local density c lambda and, for each mark in range, at most one echo with probability
 Pd_j. Summed over all ways to match (each mark at most one echo, each echo at most one mark) and divided by the same for
-clutter alone, the log likelihood ratio at clutter share c and detection level d is eq. (A6) of the theory:
+clutter alone, the log likelihood ratio at clutter share c and detection level d is eq. (6.7) of the theory:
 
     ln Z = M (1 - c) + M ln c + sum_j ln(1 - Pd_j) + ln sum over matchings of prod w_ij / c.
 
@@ -54,7 +54,7 @@ def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> 
 
 
 def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
-    """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (A6), (A7)."""
+    """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (6.7)."""
     model = field.model
     share = np.array(model.clutter_share)
     targets = len(field.scene.rho)

@@ -40,7 +40,7 @@ class Prior:
         return self.place is not None or self.heading_rad is not None
 
     def log_mass(self, poses: Poses, information: FloatArray) -> FloatArray:
-        """Return ln of prior x likelihood, integrated over each pose's Gaussian peak of height 1 (k,): eq. (A8).
+        """Return ln of prior x likelihood, integrated over each pose's Gaussian peak of height 1 (k,): eq. (6.8).
 
         The peak is exp(-1/2 d' H d) with H = ``information`` (k, 3, 3); a Gaussian hint integrates to the density of
         the pose under the sum of both covariances.
