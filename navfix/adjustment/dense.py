@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from navfix.adjustment.network import Network, curvature, jacobian, prior_residual, residuals, sight
+from navfix.adjustment.network import BoolArray, Network, curvature, jacobian, prior_residual, residuals, sight
 from navfix.adjustment.whitening import (
     back_to_units,
     spread_to_observations,
@@ -62,6 +63,22 @@ def normal_matrix(network: Network, a_white: FloatArray, weights: FloatArray) ->
     return matrix
 
 
+def saddle_exits(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Tell which poses (s, 3) are saddles, and return two poses for each, a little down either side.
+
+    Between a place and its mirror image there is a place where no slope leads away.
+    """
+    u, local = network.unknowns, _local(network, kernel, damping, pose)
+    scale = 1.0 / np.sqrt(np.diagonal(local.matrix, axis1=-2, axis2=-1)[..., :u] + _FLOOR[:u])
+    values, vectors = np.linalg.eigh(local.newton[..., :u, :u] * scale[..., :, None] * scale[..., None, :])
+    saddles = values[:, 0] < -1e-6
+    exits = np.zeros((int(np.count_nonzero(saddles)), 3))
+    exits[:, :u] = scale[saddles] * vectors[saddles, :, 0]
+    nearby_m = 0.01 * np.median(sight(network, pose[saddles]).distance, axis=-1)
+    exits *= np.minimum(1.0, nearby_m / np.maximum(np.hypot(exits[:, 0], exits[:, 1]), 1e-9))[:, None]
+    return saddles, np.concatenate([pose[saddles] + exits, pose[saddles] - exits])
+
+
 def minimise(
     network: Network,
     kernel: Kernel,
@@ -87,22 +104,36 @@ def minimise(
     return Descent(pose, total_loss(network, kernel, damping, pose), last, count)
 
 
-def _iterate(
-    network: Network, kernel: Kernel, damping: Damping, pose: FloatArray, mu: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Try one step from each pose; return poses, damping parameters and lengths of the steps in sigma."""
+class _Local(NamedTuple):
+    """The total loss about a pose: its whitener, norms, slope, A'WA and full second derivative."""
+
+    whitener: FloatArray
+    z: FloatArray
+    gradient: FloatArray
+    matrix: FloatArray
+    newton: FloatArray
+
+
+def _local(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> _Local:
     seen = sight(network, pose)
     a = jacobian(network, pose, seen)
     factor = whitener(network, a, damping)
     v_white, a_white = whiten_one(network, factor, residuals(network, pose, seen)), whiten(network, factor, a)
     z = _norms(network, damping, v_white)
     weights = _weights(network, kernel, damping, z)
-    gradient = _gradient(network, a_white, weights * v_white, pose)
     matrix = normal_matrix(network, a_white, weights)
     newton = matrix.copy()
     newton[..., :2, :2] += curvature(network, seen, back_to_units(network, factor, weights * v_white))
     if kernel.family != "none":
         newton += _kernel_curvature(network, kernel, damping, a_white, v_white, z)
+    return _Local(factor, z, _gradient(network, a_white, weights * v_white, pose), matrix, newton)
+
+
+def _iterate(
+    network: Network, kernel: Kernel, damping: Damping, pose: FloatArray, mu: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Try one step from each pose; return poses, damping parameters and lengths of the steps in sigma."""
+    factor, z, gradient, matrix, newton = _local(network, kernel, damping, pose)
     step, length = _step(network, matrix, newton, gradient, mu)
     tried = pose + step
     z_tried = _norms(network, damping, whiten_one(network, factor, residuals(network, tried)))

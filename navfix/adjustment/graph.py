@@ -75,7 +75,8 @@ def solve(network: Network, kernel: Kernel, damping: Damping, start: FloatArray)
                 break
         return GraphSolution(pose, _marginal(graph, solution), 2.0 * error, iterations)
     except RuntimeError as failure:
-        raise Unobservable(f"GTSAM cannot solve this graph: {failure}", direction="not determined") from failure
+        said = " ".join(str(failure).split()).partition(".")[0]
+        raise Unobservable(f"GTSAM cannot solve this graph: {said}", direction="not determined") from failure
 
 
 def _optimise(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> tuple[Any, Any, int, float]:

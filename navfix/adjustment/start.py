@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix import catalog
-from navfix.adjustment.dense import minimise, normal_matrix, observation_weights
+from navfix.adjustment.dense import Descent, minimise, normal_matrix, observation_weights, saddle_exits
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, predict
 from navfix.adjustment.whitening import target_norms, whitened
 from navfix.kernels import Damping, Kernel
@@ -44,7 +44,7 @@ class Minimum:
 def find_minima(
     network: Network, kernel: Kernel, damping: Damping, *, given: tuple[tuple[str, FloatArray], ...] = ()
 ) -> list[Minimum]:
-    """Return the distinct minima, the lowest loss first; never empty.
+    """Return the distinct minima that at least one target supports, the lowest loss first; never empty.
 
     Minima are distinct when they lie more than 50 m apart (less in a small, precise network: five sigma), or when
     their headings differ by more than 5 deg.
@@ -55,23 +55,35 @@ def find_minima(
     names, poses = _starts(network, damping, given, trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)])
     coarse = minimise(network, kernel, damping, poses, tolerance=_COARSE, iterations=_COARSE_STEPS)
     chosen = _distinct(coarse.pose, coarse.loss, *apart)
-    fine = minimise(network, kernel, damping, coarse.pose[chosen], tolerance=_FINE, iterations=_FINE_STEPS)
+    fine, names = _without_saddles(network, kernel, damping, coarse.pose[chosen], [names[i] for i in chosen])
     kept = _distinct(fine.pose, fine.loss, *apart)
-    weights = observation_weights(network, kernel, damping, fine.pose)
-    first = network.blocks[:, 0]
-    return [
-        Minimum(fine.pose[i], float(fine.loss[i]), names[chosen[i]], int(np.count_nonzero(weights[i][first] > 0.5)))
-        for i in kept
-    ]
+    minima = [_minimum(network, kernel, damping, fine, i, names[i]) for i in kept]
+    return [minima[0], *(m for m in minima[1:] if m.targets > 0)]
+
+
+def _without_saddles(
+    network: Network, kernel: Kernel, damping: Damping, poses: FloatArray, names: list[str]
+) -> tuple[Descent, list[str]]:
+    """Follow all poses to the end; what ends in a saddle goes on to both its sides."""
+    fine = minimise(network, kernel, damping, poses, tolerance=_FINE, iterations=_FINE_STEPS)
+    saddles, exits = saddle_exits(network, kernel, damping, fine.pose)
+    if not np.any(saddles):
+        return fine, names
+    poses = np.concatenate([fine.pose[~saddles], exits])
+    names = [name for name, saddle in zip(names, saddles, strict=True) if not saddle] + ["consensus"] * len(exits)
+    return minimise(network, kernel, damping, poses, tolerance=_FINE, iterations=_FINE_STEPS), names
 
 
 def follow(network: Network, kernel: Kernel, damping: Damping, start: FloatArray, name: str) -> Minimum:
     """Return the minimum that is reached from one start (3,)."""
-    found = minimise(network, kernel, damping, start[None, :], tolerance=_FINE)
-    weights = observation_weights(network, kernel, damping, found.pose[0])
-    return Minimum(
-        found.pose[0], float(found.loss[0]), name, int(np.count_nonzero(weights[network.blocks[:, 0]] > 0.5))
-    )
+    return _minimum(network, kernel, damping, minimise(network, kernel, damping, start[None, :]), 0, name)
+
+
+def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:
+    pose = found.pose[index]
+    weights = observation_weights(network, kernel, damping, pose)
+    targets = int(np.count_nonzero(weights[network.blocks[:, 0]] > 0.5))
+    return Minimum(pose, float(found.loss[index]), name, targets)
 
 
 def separation(network: Network, pose: FloatArray) -> tuple[float, float]:
