@@ -6,11 +6,18 @@ import math
 
 import numpy as np
 
-from navfix.association import ambiguity, pairs, second_group, seeded
+from navfix.association import ambiguity, pairs, second_group, seeded, source_method
 from navfix.association import scene as scenes
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
-from navfix.catalog import AssociationModel, RadarModel, association_model, radar_model
+from navfix.catalog import (
+    AssociationModel,
+    CpdModel,
+    RadarModel,
+    association_method,
+    association_model,
+    radar_model,
+)
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
@@ -19,14 +26,15 @@ FEWEST, FEWEST_WITH_HINT = 3, 2
 
 
 def associate(
-    epoch: Epoch, *, method: str | AssociationModel = "seeded", radar: RadarModel | str = "imo"
+    epoch: Epoch, *, method: str | AssociationModel | CpdModel = "seeded", radar: RadarModel | str = "imo"
 ) -> Association:
     """Find which target is which mark, and with it own position and heading, from any start.
 
     Parameters
     ----------
     epoch : targets and marks at one instant; at least three of each
-    method : constants of the seeded Coherent Point Drift (a name in models/association)
+    method : a name in models/association: "seeded", or "cpd" for the plain Coherent Point Drift of [2], which always
+        answers
     radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
 
     Returns
@@ -43,8 +51,10 @@ def associate(
     ----------
     [1] Myronenko & Song (2010), Point set registration: Coherent Point Drift.  [2] Knopp, thesis, 2.2 and 4.2.
     """
-    model = association_model(method)
     _require_enough(epoch)
+    model = association_method(method)
+    if isinstance(model, CpdModel):
+        return _by_source_method(epoch, model, radar_model(radar))
     scene = scenes.build(epoch, radar_model(radar), model)
     found = seeded.search(scene, model, epoch=epoch)
     _require_agreement(found, scene, model)
@@ -146,3 +156,22 @@ def _second_group(
     shift, targets = group
     azimuth_deg = math.degrees(math.atan2(shift.imag, shift.real)) % 360.0
     return SecondGroup(abs(shift), azimuth_deg, tuple(labels[scene.target_index[i]] for i in targets))
+
+
+def _by_source_method(epoch: Epoch, method: CpdModel, radar: RadarModel) -> Association:
+    """Associate as the thesis does; nothing is refused, the evidence is told."""
+    model = association_model()
+    scene = scenes.build(epoch, radar, model)
+    found = source_method.register_scene(scene, method, epoch.heading_hint)
+    index_pairs, probability = source_method.pairs_of(found, method.least_probability)
+    judged, _ = source_method.judge(found, scene, model, epoch)
+    return Association(
+        pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
+        probability=probability,
+        position=position_of(scene, found.translation),
+        heading_deg=math.degrees(float(np.angle(found.rotation))) % 360.0,
+        covariance=np.linalg.inv(judged.information[0]),
+        evidence=float(judged.evidence[0]),
+        method=method.name,
+        notes=("Plain CPD always answers: nothing here tells whether the place is right.",),
+    )
