@@ -15,7 +15,7 @@ from navfix.adjustment import solve as solving
 from navfix.adjustment.network import KIND_NAMES, RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.reliability import Quality, assess
 from navfix.adjustment.solve import Solution, Solver
-from navfix.adjustment.start import Minimum, find_minima, follow
+from navfix.adjustment.start import Minimum, find_minima, follow, follow_given
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.errors import InputError, TooFewPairs
@@ -208,7 +208,7 @@ def _minima(
     minima = find_minima(network, kernel, damping, given=(("association", pose),))
     if not follow_given:
         return minima
-    best = follow(network, kernel, damping, pose, "given")
+    best = follow_given(network, kernel, damping, pose)
     return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from navfix.adjustment import graph
 from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
 from navfix.adjustment.network import Network, prior_residual
-from navfix.adjustment.start import Minimum, find_minima, follow, separation
+from navfix.adjustment.start import Minimum, find_minima, follow_given, separation
 from navfix.adjustment.whitening import whitened
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
 from navfix.kernels import Damping, Kernel
@@ -73,7 +73,7 @@ def solve(
     check_counts(network)
     minima = find_minima(network, kernel, damping, given=tuple(candidates))
     if start is not None:
-        best = follow(network, kernel, damping, np.asarray(start, np.float64), "given")
+        best = follow_given(network, kernel, damping, np.asarray(start, np.float64))
         minima = [best, *(m for m in minima if not same_place(network, m.pose, best.pose))]
     check_solution(network, kernel, damping, minima, place=place, rivals=start is None)
     return finish(network, kernel, damping, minima[0], others=tuple(minima[1:]), solver=solver)

@@ -79,6 +79,19 @@ def follow(network: Network, kernel: Kernel, damping: Damping, start: FloatArray
     return _minimum(network, kernel, damping, minimise(network, kernel, damping, start[None, :]), 0, name)
 
 
+def follow_given(network: Network, kernel: Kernel, damping: Damping, start: FloatArray) -> Minimum:
+    """Return the minimum on the side of a start that somebody gave, (3,).
+
+    A kernel that forgets outliers stays at a start that is far off, where everything looks like one. Where it keeps
+    less than half of the targets, the way leads over the Huber estimate that is reached from the start.
+    """
+    straight = follow(network, kernel, damping, start, "given")
+    if 2 * straight.targets > len(network.blocks):
+        return straight
+    smooth = follow(network, catalog.kernel("huber"), damping, start, "given")
+    return follow(network, kernel, damping, smooth.pose, "given")
+
+
 def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:
     pose = found.pose[index]
     weights = observation_weights(network, kernel, damping, pose)
