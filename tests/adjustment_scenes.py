@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from navfix.adjustment.dense import normal_matrix
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.whitening import whitened
-from navfix.geodesy import direct
+from navfix.geodesy import LocalPlane
 from navfix.types import Association, Epoch, Mark, Position, RadarTarget
 
 RANGE_SIGMA_M, BEARING_SIGMA_RAD, MARK_SIGMA_M = 30.0, math.radians(0.5), 10.0
@@ -101,7 +101,7 @@ def epoch_scene(
         distance = math.exp(rng.uniform(math.log(1e3), math.log(15e3)))
         azimuth = sector_deg * rng.uniform(-0.5, 0.5)
         off = rng.uniform(200.0, 3000.0) if index < wrong else noise * MARK_SIGMA_M * math.hypot(*rng.normal(size=2))
-        place = direct(direct(own, azimuth, distance), rng.uniform(0.0, 360.0), off)
+        place = displaced(own, azimuth, distance, rng.uniform(0.0, 360.0), off)
         bearing = azimuth - (0.0 if bearing_reference == "true" else heading_deg)
         targets.append(
             RadarTarget(
@@ -116,3 +116,10 @@ def epoch_scene(
         places.append(Mark(f"m{index}", place, MARK_SIGMA_M))
     epoch = Epoch(None, tuple(targets), tuple(places))
     return epoch, Association.from_pairs(epoch, [(i, i) for i in range(marks)])
+
+
+def displaced(own: Position, azimuth_deg: float, distance_m: float, direction_deg: float, off_m: float) -> Position:
+    """Return what lies ``off_m`` beside the place at azimuth and distance, all directions as at own ship."""
+    steps = ((distance_m, math.radians(azimuth_deg)), (off_m, math.radians(direction_deg)))
+    north, east = (sum(length * turn(angle) for length, angle in steps) for turn in (math.cos, math.sin))
+    return LocalPlane(own).to_position(north, east)

@@ -182,7 +182,7 @@ def _search(
     for _ in range(_PLANES):
         plane = LocalPlane(origin)
         network = network.with_marks(plane.all_to_plane(lat, lon))
-        minima = _minima(network, plane, kernel, damping, given, follow_given=start is not None)
+        minima = _minima(network, plane, kernel, damping, given, only_given=start is not None)
         north_m, east_m = (float(x) for x in minima[0].pose[:2])
         there = plane.to_position(north_m, east_m)
         if not north_matters or abs(plane.convergence_deg(there)) < _TURNED_DEG:
@@ -198,7 +198,7 @@ def _minima(
     damping: Damping,
     given: tuple[Position, float | None] | None,
     *,
-    follow_given: bool,
+    only_given: bool,
 ) -> list[Minimum]:
     if given is None:
         return find_minima(network, kernel, damping)
@@ -206,7 +206,7 @@ def _minima(
     plane_heading_deg = (heading_deg or 0.0) - plane.convergence_deg(position)
     pose = np.array([*plane.to_plane(position), math.radians(plane_heading_deg)])
     minima = find_minima(network, kernel, damping, given=(("association", pose),))
-    if not follow_given:
+    if not only_given:
         return minima
     best = follow_given(network, kernel, damping, pose)
     return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]

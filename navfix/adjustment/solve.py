@@ -116,7 +116,7 @@ def finish(
         if step < _AGREE and loss <= minimum.loss + 1e-6 * (1.0 + minimum.loss):
             u = network.unknowns
             weights = observation_weights(network, kernel, damping, found.pose)
-            pose = _without_heading(network, found.pose)
+            pose = _tidy(network, found.pose)
             return Solution(pose, loss, weights, found.cofactor[:u, :u], minimum.start, "gtsam", others)
     return _dense(network, kernel, damping, minimum, others)
 
@@ -127,12 +127,13 @@ def _dense(
     u, (_, a_white) = network.unknowns, whitened(network, minimum.pose, damping)
     weights = observation_weights(network, kernel, damping, minimum.pose)
     cofactor = np.asarray(np.linalg.inv(normal_matrix(network, a_white, weights)[:u, :u]), np.float64)
-    pose = _without_heading(network, minimum.pose)
+    pose = _tidy(network, minimum.pose)
     return Solution(pose, minimum.loss, weights, cofactor, minimum.start, "dense", others)
 
 
-def _without_heading(network: Network, pose: FloatArray) -> FloatArray:
-    return pose if network.heading_unknown else np.array([pose[0], pose[1], 0.0])
+def _tidy(network: Network, pose: FloatArray) -> FloatArray:
+    """Return the pose with its heading within -pi .. pi, zero where it is not an unknown."""
+    return np.array([pose[0], pose[1], float(wrap_pi(pose[2])) if network.heading_unknown else 0.0])
 
 
 # ----------------------------------------------------------------------------------------------------------- checks

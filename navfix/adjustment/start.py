@@ -82,14 +82,16 @@ def follow(network: Network, kernel: Kernel, damping: Damping, start: FloatArray
 def follow_given(network: Network, kernel: Kernel, damping: Damping, start: FloatArray) -> Minimum:
     """Return the minimum on the side of a start that somebody gave, (3,).
 
-    A kernel that forgets outliers stays at a start that is far off, where everything looks like one. Where it keeps
-    less than half of the targets, the way leads over the Huber estimate that is reached from the start.
+    A kernel that forgets outliers stays at a start that is far off, where everything looks like one. So the way over
+    the Huber estimate is tried too, where the straight way keeps no more than half of the targets, and taken where it
+    keeps more.
     """
     straight = follow(network, kernel, damping, start, "given")
     if 2 * straight.targets > len(network.blocks):
         return straight
     smooth = follow(network, catalog.kernel("huber"), damping, start, "given")
-    return follow(network, kernel, damping, smooth.pose, "given")
+    led = follow(network, kernel, damping, smooth.pose, "given")
+    return led if led.targets > straight.targets else straight
 
 
 def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:
