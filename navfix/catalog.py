@@ -84,6 +84,7 @@ class AssociationModel:
     clutter_share: list[float]
     detection_level: list[float]
     clutter_kernels_m: list[float]
+    use_speed: bool
     far_detection: float
     conspicuity_long: float
     conspicuity_unknown: float
@@ -102,11 +103,12 @@ class AssociationModel:
     second_group_evidence: float
     stop_evidence: float
     stop_margin: float
-    accept_evidence: float
-    accept_margin: float
-    accept_margin_with_hint: float
-    accept_pairs: int
-    rivals_per_nat: float
+    accept_probability: float
+    least_margin: float
+    margin_with_hint: float
+    accidents: float
+    rivals: float
+    least_probability: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,15 +41,20 @@ def margin(judged: Judged) -> float:
     return float(judged.evidence[0] - judged.evidence[1]) if len(judged.evidence) > 1 else float("inf")
 
 
-def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:
-    """Return the probability that an accepted answer is another place.
+def probability_of_accident(evidence: float, model: AssociationModel) -> float:
+    """Return the probability that so much evidence arises where nothing right exists (radar and AIS of two places)."""
+    return min(1.0, model.accidents * math.exp(-evidence))
 
-    Rivals that the search listed and rivals of the same kind that it did not count as ``rivals_per_nat`` exp(-margin);
-    the chance that nothing right exists and the best place is an accident falls with the evidence.
-    """
-    rival = model.rivals_per_nat * np.exp(-ahead)
-    accident = np.exp(-evidence)
-    return float(min(1.0, rival + accident))
+
+def probability_of_rival(ahead: float, model: AssociationModel) -> float:
+    """Return the probability that another place is right although the best is so far ahead."""
+    return min(1.0, model.rivals * math.exp(-ahead))
+
+
+def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:
+    """Return the probability that an answer is wrong, never less than what the calibration can vouch for."""
+    total = probability_of_accident(evidence, model) + probability_of_rival(ahead, model)
+    return min(1.0, max(total, model.least_probability))
 
 
 def contenders(judged: Judged, within: float) -> IntArray:

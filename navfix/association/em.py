@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 
 from navfix.association.scene import Scene
 from navfix.association.seeds import Poses
+from navfix.association.speeds import log_speed_ratio
 from navfix.catalog import AssociationModel
 from navfix.types import FloatArray, IntArray
 
@@ -31,6 +32,9 @@ class Field:
         self.model = model
         self.neighbours = min(model.neighbours, len(scene.z))
         self.clutter_per_m2 = clutter_density(scene, model)
+        self.log_speed_ratio = (
+            log_speed_ratio(scene.target_speed_mps, scene.mark_speed_mps) if model.use_speed else None
+        )
 
     @cached_property
     def tree(self) -> cKDTree:
@@ -92,7 +96,10 @@ def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0
     """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (6.4) of the theory."""
     scene = field.scene
     pd = level * field.detection(scene.range_m[None, :, None], scene.conspicuity[fit.mark])
-    ratio: FloatArray = pd / (1.0 - pd) * np.exp(fit.log_density(widening)) / field.clutter_per_m2[None, :, None]
+    log_density = fit.log_density(widening)
+    if field.log_speed_ratio is not None:
+        log_density += field.log_speed_ratio[np.arange(len(scene.rho))[None, :, None], fit.mark]
+    ratio: FloatArray = pd / (1.0 - pd) * np.exp(log_density) / field.clutter_per_m2[None, :, None]
     return ratio
 
 

@@ -23,6 +23,7 @@ from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
 
 FEWEST, FEWEST_WITH_HINT = 3, 2
+LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
 def associate(
@@ -71,25 +72,23 @@ def _require_enough(epoch: Epoch) -> None:
 
 
 def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> None:
-    """Raise unless the best answer has enough evidence, enough marks and enough margin."""
-
+    """Raise unless the best answer has enough marks, enough evidence and enough margin."""
     evidence, marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
     ahead = ambiguity.margin(found.answers)
-    fewest, enough = model.accept_pairs, model.accept_margin
-    if found.prior.has_hint and marks < fewest:
-        fewest, enough = FEWEST_WITH_HINT, model.accept_margin_with_hint
-    if evidence < model.accept_evidence or marks < fewest:
+    hint = found.prior.has_hint
+    fewest, enough = (FEWEST_WITH_HINT, model.margin_with_hint) if hint else (FEWEST, model.least_margin)
+    if marks < fewest or ambiguity.probability_of_accident(evidence, model) > model.accept_probability:
         raise NoAgreement(
-            f"no place explains the echoes better than chance: the best matches {marks} marks "
-            f"with evidence {evidence:.1f} (needed {fewest} and {model.accept_evidence:g})",
+            f"no place explains the echoes better than chance does: the best one matches {marks} marks, "
+            f"its evidence is {evidence:.1f}",
             evidence=evidence,
             alternatives=_alternatives(found, scene, enough),
         )
-    if ahead < enough:
-        alternatives = _alternatives(found, scene, enough)
+    if ahead < enough or ambiguity.probability_wrong(evidence, ahead, model) > model.accept_probability:
+        within = max(enough, math.log(model.rivals / model.accept_probability))
+        alternatives = _alternatives(found, scene, within)
         raise Ambiguous(
-            f"{len(alternatives)} places explain the echoes nearly alike: the best is only "
-            f"{ahead:.1f} ahead (needed {enough:g})",
+            f"{len(alternatives)} places explain the echoes nearly alike: the best is ahead by {ahead:.1f} only",
             alternatives=alternatives,
         )
 
@@ -122,9 +121,9 @@ def _association(found: Search, scene: Scene, model: AssociationModel, labels: t
         heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
         covariance=np.linalg.inv(answers.information[0]),
         evidence=float(answers.evidence[0]),
-        margin=min(ahead, 1e6),
+        margin=min(ahead, LARGEST_MARGIN),
         probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
-        alternatives=_alternatives(found, scene, model.accept_margin)[1:],
+        alternatives=_alternatives(found, scene, model.least_margin)[1:],
         second_group=_second_group(found, scene, model, index_pairs, labels),
         notes=_notes(found),
         method=model.name,

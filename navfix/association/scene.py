@@ -7,7 +7,7 @@ world = p + exp(1j h) rho. Mirror images cannot be expressed, so no reflection c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,6 +20,18 @@ from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarge
 ComplexArray = NDArray[np.complex128]
 
 
+BY_TARGET = (
+    "rho",
+    "range_m",
+    "bearing_rad",
+    "range_sigma_m",
+    "bearing_sigma_rad",
+    "target_speed_mps",
+    "target_index",
+)
+BY_MARK = ("z", "mark_sigma_m", "conspicuity", "mark_speed_mps", "mark_index")
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """Targets (m of them) and marks (n of them) as arrays.
@@ -29,6 +41,7 @@ class Scene:
     origin : of the plane
     rho (m,) : complex targets [m]; ``range_m``, ``bearing_rad``, ``range_sigma_m``, ``bearing_sigma_rad`` (m,)
     z (n,) : complex marks [m]; ``mark_sigma_m`` (n,) per axis; ``conspicuity`` (n,) 0 .. 1
+    target_speed_mps (m,), mark_speed_mps (n,) : over ground, NaN where not known
     reference : "relative" or "true": what the bearings count from
     target_index (m,), mark_index (n,) : places in the epoch's tuples
     """
@@ -42,6 +55,8 @@ class Scene:
     z: ComplexArray
     mark_sigma_m: FloatArray
     conspicuity: FloatArray
+    target_speed_mps: FloatArray
+    mark_speed_mps: FloatArray
     reference: str
     target_index: IntArray
     mark_index: IntArray
@@ -58,11 +73,11 @@ class Scene:
 
     def keeping(self, targets: IntArray, marks: IntArray) -> Scene:
         """Return the scene with only these ``targets`` and ``marks`` (indices of this scene)."""
-        return Scene(
-            self.origin, self.rho[targets], self.range_m[targets], self.bearing_rad[targets],
-            self.range_sigma_m[targets], self.bearing_sigma_rad[targets], self.z[marks], self.mark_sigma_m[marks],
-            self.conspicuity[marks], self.reference, self.target_index[targets], self.mark_index[marks],
-        )  # fmt: skip
+        return replace(
+            self,
+            **{name: getattr(self, name)[targets] for name in BY_TARGET},
+            **{name: getattr(self, name)[marks] for name in BY_MARK},
+        )
 
 
 def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
@@ -92,6 +107,8 @@ def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
         z=plane[:, 0] + 1j * plane[:, 1],
         mark_sigma_m=np.array([m.sigma_m for m in epoch.marks]),
         conspicuity=np.array([conspicuity(m, model) for m in epoch.marks]),
+        target_speed_mps=np.array([_speed(t) for t in targets]),
+        mark_speed_mps=np.array([_speed(m) for m in epoch.marks]),
         reference=reference,
         target_index=np.array(chosen, dtype=np.int64),
         mark_index=np.arange(len(epoch.marks)),
@@ -113,6 +130,14 @@ def conspicuity(mark: Mark, model: AssociationModel) -> float:
 def position_of(scene: Scene, p: complex) -> Position:
     """Return the place of a complex number of the scene's plane."""
     return LocalPlane(scene.origin).to_position(p.real, p.imag)
+
+
+def _speed(thing: RadarTarget | Mark) -> float:
+    """Return the speed over ground [m/s], NaN where it is not known; a track that is still being acquired has none."""
+    if isinstance(thing, Mark) and thing.kind != "ship":
+        return 0.0
+    young = isinstance(thing, RadarTarget) and thing.status == "Q"
+    return float("nan") if thing.speed_mps is None or young else thing.speed_mps
 
 
 def _prevailing_reference(targets: tuple[RadarTarget, ...]) -> str:

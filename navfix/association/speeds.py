@@ -1,0 +1,43 @@
+"""More evidence: the speed of a target against the speed of a mark, as a ratio to the speeds that this picture shows.
+
+A third of the ships lie at anchor: 0 kn against 0 kn proves little, 14.2 kn against 14.1 kn a lot. So the likelihood of
+a target's speed, given a mark, is divided by the density of such speeds among all other targets and among all marks,
+whichever is larger. Only the amount is used: a course is as good as the compass that the radar was given.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from navfix.types import FloatArray
+
+_SHARES = np.array([0.5, 0.45, 0.05])
+_SIGMAS_MPS = np.array([0.6, 2.0, 6.0])  # settled tracks; current, manoeuvres and young tracks; nonsense
+_LARGEST_GAIN = 3.0
+
+
+def log_speed_ratio(target_mps: FloatArray, mark_mps: FloatArray) -> FloatArray:
+    """Return ln [f(speed of target i | mark j) / f(speed of target i)] (m, n): eq. (6.11) of the theory.
+
+    Parameters
+    ----------
+    target_mps, mark_mps : speeds over ground (m,) and (n,), NaN where unknown: such pairs get 0
+    """
+    ratio = np.zeros((len(target_mps), len(mark_mps)))
+    told, known = np.isfinite(target_mps), np.isfinite(mark_mps)
+    if told.sum() < 2 or known.sum() < 2:
+        return ratio
+    among_marks = _density(target_mps[told][:, None] - mark_mps[known][None, :])
+    among_targets = _density(target_mps[told][:, None] - target_mps[told][None, :])
+    np.fill_diagonal(among_targets, 0.0)
+    common = np.maximum(among_marks.mean(axis=1), among_targets.sum(axis=1) / (told.sum() - 1))
+    gain = np.minimum(np.log(among_marks) - np.log(common)[:, None], _LARGEST_GAIN)
+    ratio[np.ix_(told, known)] = gain
+    return ratio
+
+
+def _density(difference_mps: FloatArray) -> FloatArray:
+    """Return the density of a difference of speeds [s/m]: a mixture with heavy tails, so that no pair is impossible."""
+    scaled = difference_mps[..., None] / _SIGMAS_MPS
+    density: FloatArray = (_SHARES / (np.sqrt(2.0 * np.pi) * _SIGMAS_MPS) * np.exp(-0.5 * scaled**2)).sum(axis=-1)
+    return density
