@@ -222,7 +222,7 @@ def _kernel_curvature(
 def _weight_slope(kernel: Kernel, damping: Damping, z: FloatArray) -> FloatArray:
     """Return dw/dz / z, by differences."""
     z = np.maximum(z, 1e-3)
-    return np.asarray((kernel.weight(z + 1e-5, damping) - kernel.weight(z - 1e-5, damping)) / (2e-5 * z))
+    return np.asarray((kernel.weight(z + 1e-5, damping) - kernel.weight(z, damping)) / (1e-5 * z))
 
 
 def _mixed(

@@ -140,8 +140,12 @@ def _factors(network: Network, kernel: Kernel, damping: Damping, pose: FloatArra
             yield _factor(network, [int(index)], robust(gtsam.noiseModel.Isotropic.Sigma(1, float(sigma[index]))))
         return
     covariance = block_covariance(network, at_pose)
+    wraps = {
+        int(size): _robust(kernel, "separate" if size == 1 else "joint", math.sqrt(max(size, 2) / 2.0))
+        for size in np.unique(network.block_sizes)
+    }
     for block, size, matrix in zip(network.blocks, network.block_sizes, covariance, strict=True):
-        robust = _robust(kernel, "separate" if size == 1 else "joint", math.sqrt(max(size, 2) / 2.0))
+        robust = wraps[int(size)]
         members, matrix = _in_gtsam_order(network, [int(i) for i in block[:size]], matrix[:size, :size])
         yield _factor(network, members, robust(gtsam.noiseModel.Gaussian.Covariance(matrix)))
 

@@ -28,7 +28,7 @@ _CONSENSUS_STARTS = 5
 _TRIAL_BUDGET = 5_000  # trials x observations
 _GRID_RINGS, _GRID_SPOKES = 14, 36
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
-_ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 6, 12, 60
+_ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 6, 10, 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,0 +1,76 @@
+"""RMSE over the Cramer-Rao bound for every kernel and share of wrong matches, and the time a fix takes.
+
+Run: python tests/benchmarks/bench_adjustment.py [runs a cell]
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+
+from navfix import catalog
+from navfix.adjustment import adjust, graph
+from navfix.adjustment.solve import solve
+from navfix.errors import NoFix
+from tests.adjustment_scenes import epoch_scene, plane_scene
+
+KERNELS = ("none", "huber", "hampel", "danish", "tukey", "igg3")
+WRONG = (0, 4, 9)
+
+
+def ratio(kernel: str, wrong: int, runs: int, damping: str = "joint") -> tuple[float, int]:
+    """Return RMSE / bound over the scenes with a fix, and in how many there was none."""
+    rng, squares, bounds, none = np.random.default_rng(1), 0.0, 0.0, 0
+    for _ in range(runs):
+        scene = plane_scene(rng, wrong=wrong)
+        try:
+            found = solve(scene.network, catalog.kernel(kernel), damping, solver="dense")  # type: ignore[arg-type]
+        except NoFix:
+            none += 1
+            continue
+        squares += float(found.pose[:2] @ found.pose[:2])
+        bounds += float(np.trace(scene.bound()[:2, :2]))
+    return math.sqrt(squares / bounds), none
+
+
+def table(runs: int) -> None:
+    """Print RMSE / bound, 20 targets, wrong positions 200 to 3000 m off."""
+    print(f"RMSE / Cramer-Rao bound, 20 targets, {runs} runs a cell (in brackets: runs without a fix)")
+    print("kernel     damping  " + "".join(f"{5 * wrong:>12d} %" for wrong in WRONG))
+    for damping in ("joint", "separate"):
+        for kernel in KERNELS:
+            cells = [ratio(kernel, wrong, runs, damping) for wrong in WRONG]
+            print(f"{kernel:10s} {damping:8s} " + "".join(f"{value:9.2f} ({none})".rjust(14) for value, none in cells))
+
+
+def timing(marks: int, runs: int, *, solver: str) -> None:
+    """Print the time of one call of adjust, everything included."""
+    rng = np.random.default_rng(2)
+    scenes = [epoch_scene(rng, marks=marks, wrong=marks // 5) for _ in range(runs)]
+    taken = []
+    for epoch, association in scenes[:1] + scenes:
+        start = time.perf_counter()
+        with contextlib.suppress(NoFix):
+            adjust(epoch, association, solver=solver)  # type: ignore[arg-type]
+        taken.append(1e3 * (time.perf_counter() - start))
+    median, p99 = np.quantile(taken[1:], [0.5, 0.99])  # the first one imports
+    print(f"adjust, {marks:3d} pairs, {solver:5s}: median {median:6.1f} ms, p99 {p99:6.1f} ms")
+
+
+def main() -> None:
+    """Print the table and the timings."""
+    table(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
+    for marks, runs in ((5, 200), (20, 200), (100, 50), (500, 20)):
+        for solver in ("gtsam", "dense") if graph.available() else ("dense",):
+            timing(marks, runs, solver=solver)
+
+
+if __name__ == "__main__":
+    main()
