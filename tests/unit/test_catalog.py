@@ -29,7 +29,8 @@ GOOD = {
 
 def _loader(kind: str) -> Callable[[str], Any]:
     """Return the function of the catalogue that reads one kind: ``radar_model``, ``kernel``, ..."""
-    loader = getattr(catalog, f"{kind}_model", None) or getattr(catalog, kind, None)
+    names = (f"{kind}_method", f"{kind}_model", kind)
+    loader = next((getattr(catalog, name) for name in names if hasattr(catalog, name)), None)
     assert loader is not None, f"models/{kind} has no reader in navfix.catalog: nobody checks its keys"
     return loader
 
