@@ -10,8 +10,8 @@ import numpy as np
 from navfix import catalog
 from navfix.adjustment.case import Case
 from navfix.adjustment.case_frame import Place, middle_of_marks, moved, network_about, true_heading_deg
-from navfix.adjustment.epoch import adjusted_observations, notes
 from navfix.adjustment.network import Damping, Network
+from navfix.adjustment.observations import adjusted_observations, notes
 from navfix.adjustment.reliability import Quality, assess
 from navfix.adjustment.solve import Solution, Solver, alternative, check_counts, finish, solve
 from navfix.adjustment.start import Minimum, follow

@@ -12,17 +12,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from navfix.adjustment import solve as solving
-from navfix.adjustment.network import KIND_NAMES, RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
-from navfix.adjustment.reliability import Quality, assess
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
+from navfix.adjustment.observations import adjusted_observations, notes
+from navfix.adjustment.reliability import assess
 from navfix.adjustment.solve import Solution, Solver
 from navfix.adjustment.start import Minimum, find_minima, follow, follow_given
+from navfix.adjustment.trials import with_heading
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.errors import InputError, TooFewPairs
 from navfix.geodesy import LocalPlane, centroid
 from navfix.kernels import Damping, Kernel
 from navfix.types import (
-    AdjustedObservation,
     Alternative,
     Association,
     Epoch,
@@ -39,7 +40,6 @@ from navfix.units import wrap_360
 _STANDS_STILL_M = 1e-3
 _TURNED_DEG = 0.02  # convergence between search planes that is small beside any radar's bearing sigma
 _PLANES = 12
-_CONSPICUOUS = 3.2905  # 0.1 % of a normal distribution, two-sided
 
 
 class Pair(NamedTuple):
@@ -79,7 +79,8 @@ def adjust(
     heading_prior : heading of a compass with its sigma, an observation like the others; its standardised residual is
         judged in the notes of the fix
     mask : (k,) or (k, 2) for (range, bearing): which observations take part
-    start : position and heading [deg]; the minimum reached from it is the fix and other minima are only listed
+    start : position, and heading [deg] or None (then the one that most targets agree on there); the minimum reached
+        from it is the fix and other minima are only listed
     solver : "gtsam", "dense", or "auto": GTSAM where it is installed
 
     Returns
@@ -203,8 +204,9 @@ def _minima(
     if given is None:
         return find_minima(network, kernel, damping)
     position, heading_deg = given
-    plane_heading_deg = (heading_deg or 0.0) - plane.convergence_deg(position)
-    pose = np.array([*plane.to_plane(position), math.radians(plane_heading_deg)])
+    pose = with_heading(network, plane.to_plane(position)[None, :])[0]
+    if heading_deg is not None and network.heading_unknown:
+        pose[2] = math.radians(heading_deg - plane.convergence_deg(position))
     minima = find_minima(network, kernel, damping, given=(("association", pose),))
     if not only_given:
         return minima
@@ -283,46 +285,3 @@ def _fix(
         start=solution.start,
         notes=notes(network, quality, solution),
     )
-
-
-def adjusted_observations(
-    network: Network, solution: Solution, quality: Quality, labels: Sequence[tuple[str, str]]
-) -> tuple[AdjustedObservation, ...]:
-    """Return the report of every observation, in m and deg; ``labels`` (target, mark) by mark index."""
-    rows = []
-    for i, kind in enumerate(network.kind):
-        unit = 1.0 if kind == RANGE else math.degrees(1.0)
-        observed, residual = float(network.value[i]) * unit, float(quality.residual[i]) * unit
-        adjusted = observed + residual
-        target, mark = labels[network.mark[i]]
-        testable = bool(quality.testable[i])
-        rows.append(
-            AdjustedObservation(
-                target=target,
-                mark=mark,
-                kind=KIND_NAMES[kind],
-                observed=observed if kind == RANGE else wrap_360(observed),
-                adjusted=adjusted if kind == RANGE else wrap_360(adjusted),
-                residual=residual,
-                sigma=float(quality.sigma[i]) * unit,
-                standardized=float(quality.standardized[i]) if testable else None,
-                redundancy_number=float(quality.redundancy_number[i]),
-                weight=float(solution.weights[i]),
-                mdb=float(quality.mdb[i]) * unit if testable else None,
-            )
-        )
-    return tuple(rows)
-
-
-def notes(network: Network, quality: Quality, solution: Solution) -> tuple[str, ...]:
-    """Say in words what a reader of the numbers must know."""
-    said = [f"solved by {'GTSAM' if solution.solver == 'gtsam' else 'dense normal equations'}"]
-    if quality.scaling == "a_priori":
-        said.append(f"sigma0 not used: {quality.dof:.1f} degrees of freedom are too few to judge the noise")
-    if abs(quality.prior_standardized) > _CONSPICUOUS:
-        said.append(
-            f"the heading prior disagrees with the marks: standardised residual {quality.prior_standardized:.1f}"
-        )
-    if not network.heading_unknown and np.any(network.kind == TRUE_BEARING):
-        said.append("all bearings are true: the heading is not an unknown")
-    return tuple(said)

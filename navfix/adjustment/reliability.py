@@ -13,7 +13,7 @@ from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest
 
 DELTA0 = 4.1321  # Baarda: bias of a standardised residual found with power .80 by a test at alpha .001
-SIGNIFICANCE = 0.001  # of a single standardised residual; |w| beyond 3.2905 is conspicuous
+CONSPICUOUS = 3.2905  # standardised residual that chance exceeds once in a thousand
 GLOBAL_SIGNIFICANCE = 0.05
 FEWEST_DOF = 3.0  # with fewer, sigma0 says too little about the noise and the a priori one is kept
 _NO_REDUNDANCY = 1e-9

@@ -15,18 +15,17 @@ import numpy as np
 
 from navfix import catalog
 from navfix.adjustment.dense import Descent, minimise, normal_matrix, observation_weights, saddle_exits
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, predict
+from navfix.adjustment.network import Network
+from navfix.adjustment.trials import trial_fixes
 from navfix.adjustment.whitening import target_norms, whitened
 from navfix.kernels import Damping, Kernel
-from navfix.types import FloatArray, IntArray
+from navfix.types import FloatArray
 from navfix.units import wrap_pi
 
 DISTINCT_M = 50.0
 DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
 _CONSENSUS_STARTS = 5
-_TRIAL_BUDGET = 5_000  # trials x observations
-_GRID_RINGS, _GRID_SPOKES = 14, 36
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
 _ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 6, 10, 60
 
@@ -147,136 +146,3 @@ def _distinct(
         near = np.hypot(*(poses[order, :2] - poses[index, :2]).T) <= apart_m
         left &= ~(near & (np.abs(wrap_pi(poses[order, 2] - poses[index, 2])) <= apart_rad))
     return kept
-
-
-# ------------------------------------------------------------------------------------------------------ trial fixes
-
-
-def trial_fixes(network: Network) -> FloatArray:
-    """Return poses (t, 3), t >= 1, each made from as few observations as a pose needs."""
-    table = _per_target(network)
-    whole = table[(table[:, 0] >= 0) & (table[:, 1] >= 0)]
-    poses = [_from_two_marks(network, whole), *_from_known_headings(network, table)]
-    if len(whole) < len(table) or not any(len(found) for found in poses):
-        poses += [_from_crossings(network, table), _from_grid(network)]
-    found = np.concatenate(poses)
-    return found[np.all(np.isfinite(found), axis=1)]
-
-
-def _per_target(network: Network) -> IntArray:
-    """Return (g, 3): the first range, relative bearing and true bearing of each target, -1 where it has none."""
-    table = np.full((len(network.blocks), 3), -1, np.int64)
-    for row, block in enumerate(network.blocks):
-        for index in block[block >= 0][::-1]:
-            table[row, network.kind[index]] = index
-    return table
-
-
-def _from_two_marks(network: Network, whole: IntArray) -> FloatArray:
-    """Solve two targets with range and relative bearing: the baseline gives the heading, its middle the position."""
-    if len(whole) < 2:
-        return np.empty((0, 3))
-    first, second = _index_pairs(len(whole), max(_TRIAL_BUDGET // len(network.kind), 60))
-    reach, bearing = network.value[whole[:, 0]], network.value[whole[:, 1]]
-    seen = reach * np.exp(1j * bearing)  # north + i east, in the ship's axes
-    place = _complex(network.mark_ne_m[network.mark[whole[:, 0]]])
-    heading = np.angle(place[second] - place[first]) - np.angle(seen[second] - seen[first])
-    own = 0.5 * (place[first] + place[second] - np.exp(1j * heading) * (seen[first] + seen[second]))
-    return np.stack([own.real, own.imag, heading], axis=1)
-
-
-def _index_pairs(count: int, at_most: int) -> tuple[IntArray, IntArray]:
-    """Return index pairs i < j: all, or an even choice in which every index occurs about as often."""
-    first, second = np.triu_indices(count, 1)
-    if len(first) <= at_most:
-        return first, second
-    strides = np.unique(np.linspace(1, count // 2, max(at_most // count, 1)).astype(np.int64))
-    base = np.arange(count)
-    return np.tile(base, len(strides)), np.concatenate([(base + stride) % count for stride in strides])
-
-
-def _from_known_headings(network: Network, table: IntArray) -> list[FloatArray]:
-    """Solve single targets: range and true bearing, or range and relative bearing with the heading prior."""
-    found = [_backwards(network, table[:, 0], table[:, 2], 0.0)]
-    if network.prior_counts and network.heading_prior_rad is not None:
-        heading = network.heading_prior_rad[0]
-        places = _backwards(network, table[:, 0], table[:, 1], heading)
-        found.append(np.column_stack([places, np.full(len(places), heading)]))
-    found[0] = _with_heading(network, found[0])
-    return found
-
-
-def _backwards(network: Network, ranges: IntArray, bearings: IntArray, heading_rad: float) -> FloatArray:
-    both = (ranges >= 0) & (bearings >= 0)
-    ranges, bearings = ranges[both], bearings[both]
-    place = _complex(network.mark_ne_m[network.mark[ranges]])
-    own = place - network.value[ranges] * np.exp(1j * (network.value[bearings] + heading_rad))
-    return np.stack([own.real, own.imag], axis=1)
-
-
-def _from_crossings(network: Network, table: IntArray) -> FloatArray:
-    """Cross the circles of two ranges and the lines of two true bearings."""
-    circles, lines = table[table[:, 0] >= 0, 0], table[table[:, 2] >= 0, 2]
-    at_most = max(_TRIAL_BUDGET // (4 * len(network.kind)), 60)
-    places = [_circle_crossings(network, circles, at_most), _line_crossings(network, lines, at_most)]
-    return _with_heading(network, np.concatenate(places))
-
-
-def _circle_crossings(network: Network, ranges: IntArray, at_most: int) -> FloatArray:
-    if len(ranges) < 2:
-        return np.empty((0, 2))
-    first, second = (ranges[index] for index in _index_pairs(len(ranges), at_most))
-    place, reach = _complex(network.mark_ne_m[network.mark]), network.value
-    baseline = place[second] - place[first]
-    length = np.abs(baseline)
-    apart = length > 0.0
-    first, second, baseline, length = first[apart], second[apart], baseline[apart], length[apart]
-    along = (reach[first] ** 2 - reach[second] ** 2 + length**2) / (2.0 * length)
-    across = np.sqrt(np.maximum(reach[first] ** 2 - along**2, 0.0))
-    unit = baseline / length
-    own = np.concatenate([place[first] + unit * (along + 1j * side * across) for side in (-1.0, 1.0)])
-    return np.stack([own.real, own.imag], axis=1)
-
-
-def _line_crossings(network: Network, bearings: IntArray, at_most: int) -> FloatArray:
-    if len(bearings) < 2:
-        return np.empty((0, 2))
-    first, second = (bearings[index] for index in _index_pairs(len(bearings), at_most))
-    place, direction = _complex(network.mark_ne_m[network.mark]), np.exp(1j * network.value)
-    sine = np.imag(np.conj(direction[first]) * direction[second])
-    usable = np.abs(sine) > 1e-6
-    first, second, sine = first[usable], second[usable], sine[usable]
-    # place_1 - t_1 d_1 = place_2 - t_2 d_2, multiplied by conj(d_2): the imaginary part leaves t_1
-    reach = -np.imag((place[first] - place[second]) * np.conj(direction[second])) / sine
-    own = place[first] - reach * direction[first]
-    return np.stack([own.real, own.imag], axis=1)
-
-
-def _from_grid(network: Network) -> FloatArray:
-    """Spread places in rings about the marks: for whatever the closed forms do not cover."""
-    marks = network.mark_ne_m[np.unique(network.mark[network.mask])]
-    centre = marks.mean(axis=0)
-    ranges = network.value[(network.kind == RANGE) & network.mask]
-    size = max(float(np.hypot(*(marks - centre).T).max()), float(ranges.max(initial=0.0)), 1.0)
-    rings = size * np.geomspace(0.05, 4.0, _GRID_RINGS)
-    spokes = 2.0 * np.pi * np.arange(_GRID_SPOKES) / _GRID_SPOKES
-    own = (rings[:, None] * np.exp(1j * spokes)[None, :]).ravel() + _complex(centre[None, :])
-    return _with_heading(network, np.stack([own.real, own.imag], axis=1))
-
-
-def _with_heading(network: Network, places: FloatArray) -> FloatArray:
-    """Add to each place (t, 2) the heading on which most relative bearings agree there; zero where it is known."""
-    poses = np.column_stack([places, np.zeros(len(places))])
-    relative = np.flatnonzero((network.kind == RELATIVE_BEARING) & network.mask)
-    if not len(relative) or not len(places):
-        return poses
-    headings = np.asarray(wrap_pi(predict(network, poses)[:, relative] - network.value[relative]))
-    candidates = headings[:, np.unique(np.linspace(0, len(relative) - 1, 9).astype(np.int64))]
-    misfit = np.abs(wrap_pi(candidates[:, :, None] - headings[:, None, :]))
-    best = np.argmin(np.median(misfit, axis=-1), axis=-1)
-    poses[:, 2] = candidates[np.arange(len(places)), best]
-    return poses
-
-
-def _complex(north_east: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
-    return north_east[..., 0] + 1j * north_east[..., 1]

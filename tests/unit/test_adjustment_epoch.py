@@ -179,6 +179,13 @@ def test_a_given_start_chooses_among_places() -> None:
         assert fix.start == "given"
 
 
+def test_a_start_without_a_heading_finds_one_there() -> None:
+    epoch, association = epoch_scene(np.random.default_rng(19), marks=6)
+    fix = adjust(epoch, association, start=(direct(OWN, 80.0, 500.0), None))
+    assert inverse(OWN, fix.position)[0] < 40.0
+    assert fix.heading_deg == pytest.approx(123.4, abs=1.0)
+
+
 def test_the_pose_of_the_association_is_one_of_the_starts() -> None:
     epoch, by_hand = epoch_scene(np.random.default_rng(13), marks=6, wrong=1)
     posed = replace(by_hand, position=direct(OWN, 200.0, 5000.0), heading_deg=300.0)

@@ -12,7 +12,8 @@ from navfix import catalog
 from navfix.adjustment.dense import minimise
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network, predict
 from navfix.adjustment.solve import alternative, decisive_gap, solve
-from navfix.adjustment.start import find_minima, trial_fixes
+from navfix.adjustment.start import find_minima
+from navfix.adjustment.trials import trial_fixes
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
 from navfix.types import PlanePosition
 from tests.adjustment_scenes import plane_scene
