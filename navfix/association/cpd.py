@@ -40,7 +40,7 @@ def register(
     *,
     outlier_share: float = 0.1,
     start_rotation: complex = 1.0 + 0.0j,
-    tolerance: float = 1e-9,
+    tolerance: float = 1e-5,
     most_iterations: int = 200,
 ) -> Registration:
     """Register the centroids ``y`` (m,) onto the data ``x`` (n,), both complex [m].
@@ -49,22 +49,27 @@ def register(
     ----------
     outlier_share : w, the share of data that no centroid generated, 0 <= w < 1
     start_rotation : unit complex number that y is turned by at the start
-    tolerance : stop when the logarithm of sigma changes by less
+    tolerance : stop when no centroid moves by more in one step, in units of the spread of x
+
+    Both clouds are measured in the spread of x: the published outlier term is 1/N for any area, and so has a meaning
+    only for data of unit variance.
     """
-    rotation, translation = start_rotation / abs(start_rotation), 0.0 + 0.0j
-    translation = complex(np.mean(x) - rotation * np.mean(y))
-    sigma_sq = float(np.mean(np.abs(x[None, :] - (rotation * y + translation)[:, None]) ** 2)) / 2.0  # Fig. 2, start
+    unit_m, middle = float(np.sqrt(np.mean(np.abs(x - x.mean()) ** 2))), complex(x.mean())
+    data, centroids = (x - middle) / unit_m, (y - y.mean()) / unit_m
+    moved = centroids * start_rotation / abs(start_rotation)
+    rotation = start_rotation / abs(start_rotation)
+    translation = 0.0 + 0.0j
+    sigma_sq = float(np.mean(np.abs(data[None, :] - moved[:, None]) ** 2)) / 2.0  # Fig. 2, initialisation
     correspondence = np.zeros((len(y), len(x)))
-    iterations = 0
-    while iterations < most_iterations:
+    iterations, step = 0, np.inf
+    while iterations < most_iterations and step > tolerance:
+        correspondence = expectation(data, moved, sigma_sq, outlier_share)
+        rotation, translation, sigma_sq = maximisation(data, centroids, correspondence)
+        step = float(np.abs(rotation * centroids + translation - moved).max())
+        moved = rotation * centroids + translation
         iterations += 1
-        correspondence = expectation(x, rotation * y + translation, sigma_sq, outlier_share)
-        rotation, translation, updated_sq = maximisation(x, y, correspondence)
-        settled = abs(np.log(updated_sq / sigma_sq)) < tolerance
-        sigma_sq = updated_sq
-        if settled or sigma_sq <= 1e-12:
-            break
-    return Registration(rotation, translation, float(np.sqrt(sigma_sq)), correspondence, iterations)
+    shift = complex(middle + unit_m * translation - rotation * y.mean())
+    return Registration(rotation, shift, float(np.sqrt(sigma_sq)) * unit_m, correspondence, iterations)
 
 
 def expectation(x: ComplexArray, moved: ComplexArray, sigma_sq: float, outlier_share: float) -> FloatArray:

@@ -27,7 +27,8 @@ class SceneRecipe:
     ``targets`` echoes in the radar disc of ``radar_nm``, of which the share ``clutter`` belongs to no mark; ``marks``
     AIS stations in the disc of ``ais_nm``, of which the share ``false_ais`` is elsewhere than it says (by 200 .. 3000 m
     one by one; with ``coherent_m`` > 0 all by that one vector). Sigmas are 1 sigma; range sigma is the larger of metres
-    and fraction. The noise drawn is ``noise_misfit`` times what the scene states.
+    and fraction. The noise drawn is ``noise_misfit`` times what the scene states; every mark is ``mark_offset_m`` off
+    in a direction of its own.
     """
 
     targets: int
@@ -44,6 +45,7 @@ class SceneRecipe:
     mark_sigma_m: float = 10.0
     noise_misfit: float = 1.0
     range_bias_m: float = 0.0
+    mark_offset_m: float = 0.0
     centre: Position = Position(54.2, 7.6)  # noqa: RUF009 (a frozen record)
 
 
@@ -172,7 +174,8 @@ def _state_positions(
     angle = np.exp(2j * math.pi * random.uniform(size=count))
     alone = random.uniform(200.0, 3000.0, size=count) * angle
     alike = recipe.coherent_m * angle[0]
-    return truth + noise + np.where(false, alike if recipe.coherent_m > 0.0 else alone, 0.0), false
+    everywhere = recipe.mark_offset_m * np.exp(2j * math.pi * random.uniform(size=count))
+    return truth + noise + everywhere + np.where(false, alike if recipe.coherent_m > 0.0 else alone, 0.0), false
 
 
 def _measure(

@@ -1,0 +1,420 @@
+"""The association, counted: `python tests/benchmarks/bench_association.py [TABLE ...] [--scenes N]`.
+
+Tables: methods, determinable, random, nothing, rows, shifted, misfit, bound, growth, switches, foreign. All seeded.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+import tracemalloc
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from navfix.association import ambiguity, cpd, seeded
+from navfix.association import scene as scenes
+from navfix.association.epoch import associate
+from navfix.catalog import association_model, radar_model
+from navfix.errors import Ambiguous, NoFix
+from navfix.geodesy import LocalPlane, inverse
+from navfix.simulation.scenes import MadeScene, SceneRecipe, make_scene
+from navfix.types import Epoch, Mark, Position, RadarTarget
+from navfix.units import NM_M, wrap_180
+
+MODEL, RADAR = association_model(), radar_model("imo")
+SCENES = {
+    "20 x 24, same disc": SceneRecipe(20, 24, 12.0, 12.0),
+    "20 x 40, 12/16": SceneRecipe(20, 40, 12.0, 16.0),
+    "30 x 150, 10 % + 5 %": SceneRecipe(30, 150, 12.0, 24.0, 0.1, 0.05),
+    "30 x 120, 40 % + 20 %": SceneRecipe(30, 120, 12.0, 24.0, 0.4, 0.2),
+    "60 x 300, 30 % + 10 %": SceneRecipe(60, 300, 12.0, 24.0, 0.3, 0.1),
+    "100 x 1000, 40 % + 20 %": SceneRecipe(100, 1000, 12.0, 36.0, 0.4, 0.2),
+    "10 x 100": SceneRecipe(10, 100, 12.0, 24.0),
+    "8 x 40, 25 % + 10 %": SceneRecipe(8, 40, 12.0, 24.0, 0.25, 0.1),
+}
+
+
+def is_right(made: MadeScene, position: Position, heading_deg: float) -> bool:
+    """Within 2 deg and three sigma of the bound (300 m at least) of the truth."""
+    bound_m = 300.0 if made.crlb is None else max(300.0, 3.0 * math.sqrt(np.trace(made.crlb[:2, :2])))
+    bound_deg = 2.0 if made.crlb is None else max(2.0, 3.0 * math.degrees(math.sqrt(made.crlb[2, 2])))
+    return inverse(position, made.position)[0] <= bound_m and abs(wrap_180(heading_deg - made.heading_deg)) <= bound_deg
+
+
+def searched(made: MadeScene) -> tuple[seeded.Search, scenes.Scene]:
+    scene = scenes.build(made.epoch, RADAR, MODEL)
+    return seeded.search(scene, MODEL, epoch=made.epoch), scene
+
+
+def row_is_right(made: MadeScene, found: seeded.Search, scene: scenes.Scene, row: int) -> bool:
+    answers = found.answers
+    position = scenes.position_of(scene, complex(answers.poses.p[row]))
+    return is_right(made, position, math.degrees(answers.poses.heading_rad[row]))
+
+
+# ------------------------------------------------------------------------------------------------------------ tables
+
+
+def methods(count: int) -> Iterator[str]:
+    """The thesis's eight starts (ours and pycpd's), ICP from eight sides and the seeded method, on every scene."""
+    few = max(5, count // 20)
+    yield _row("scene", "8 starts", "ICP 8", "cliques", "seeded", "pycpd ms", "ours ms", "ratio")
+    for name, recipe in SCENES.items():
+        made = [make_scene(recipe, 10_000 + seed) for seed in range(few)]
+        source = [associate(m.epoch, method="cpd") for m in made]
+        by_source = np.mean([is_right(m, a.position, a.heading_deg) for m, a in zip(made, source, strict=True)])
+        by_icp = np.mean([_by_icp(m) for m in made])
+        by_clique = np.mean([_by_clique(m) for m in made]) if recipe.targets * recipe.marks <= 800 else math.nan
+        found, ours_ms = zip(*(_timed(lambda m=m: searched(m)) for m in made), strict=True)
+        by_seeds = np.mean([row_is_right(m, f, s, 0) for m, (f, s) in zip(made, found, strict=True)])
+        pycpd_ms = np.median([_pycpd_ms(m) for m in made[:3]])
+        ours = float(np.median(ours_ms))
+        shares = (f"{share:.0%}" for share in (by_source, by_icp, by_clique, by_seeds))
+        yield _row(name, *shares, f"{pycpd_ms:.0f}", f"{ours:.1f}", f"{pycpd_ms / ours:.0f}x")
+
+
+def determinable(count: int) -> Iterator[str]:
+    """Every scene whose predicted evidence is above 5: is the right place the best, or accepted?"""
+    yield _row("scene", "scenes", "determin.", "solved", "accepted", "wrong")
+    for name, recipe in SCENES.items():
+        solved = accepted = wrong = total = 0
+        for seed in range(count):
+            made = make_scene(recipe, seed)
+            found, scene = searched(made)
+            right = row_is_right(made, found, scene, 0)
+            taken = _is_accepted(found)
+            wrong += taken and not right
+            if made.predicted_evidence > 5.0:
+                total, solved, accepted = total + 1, solved + right, accepted + taken
+        shares = (f"{share / max(total, 1):.2%}" for share in (solved, accepted))
+        yield _row(name, count, total, *shares, wrong)
+
+
+def random(count: int) -> Iterator[str]:
+    """Random scenes, a quarter without any solution: accepted, wrong, and the reliability of probability_wrong."""
+    rows = []
+    for seed in range(count):
+        made = make_scene(random_recipe(np.random.default_rng(seed + 10**6)), seed)
+        if len(made.epoch.targets) < 3:
+            continue
+        found, scene = searched(made)
+        ahead, evidence = ambiguity.margin(found.answers), float(found.answers.evidence[0])
+        rows.append(
+            (
+                made.predicted_evidence,
+                ambiguity.probability_of_accident(evidence, MODEL) + ambiguity.probability_of_rival(ahead, MODEL),
+                _is_accepted(found),
+                row_is_right(made, found, scene, 0),
+                found.answers.ships[0],
+            )
+        )
+    table = np.array(rows, dtype=np.float64)
+    predicted, wrong_p, taken, right, marks = table.T
+    taken, right = taken > 0, right > 0
+    yield f"{len(table)} scenes, {taken.sum()} accepted, {(taken & ~right).sum()} of them wrong"
+    for low, high in ((-math.inf, 0.0), (0.0, 5.0), (5.0, 12.0), (12.0, math.inf)):
+        band = (predicted > low) & (predicted <= high)
+        yield f"predicted evidence {low:>5} .. {high:>4}: {band.sum():>6} scenes, accepted {taken[band].mean():.1%}"
+    yield "stated P(wrong)      answers   counted wrong   mean stated"
+    for low, high in ((0.0, 1e-4), (1e-4, 1e-3), (1e-3, 1e-2), (1e-2, 0.1), (0.1, 0.5), (0.5, 9.9)):
+        band = (wrong_p > low) & (wrong_p <= high) & (marks >= 3)
+        if band.any():
+            yield (
+                f"{low:>8g} .. {high:<8g}{band.sum():>7}{np.mean(~right[band]):>16.5f}"
+                f"{np.minimum(wrong_p[band], 1.0).mean():>14.5f}"
+            )
+
+
+def nothing(count: int) -> Iterator[str]:
+    """No common target at all."""
+    taken = 0
+    for seed in range(count):
+        recipe = replace(random_recipe(np.random.default_rng(seed + 2 * 10**6)), clutter=1.0)
+        try:
+            associate(make_scene(recipe, seed).epoch)
+            taken += 1
+        except NoFix:
+            pass
+    yield f"{count} scenes without a common target: {taken} accepted"
+
+
+def rows(count: int) -> Iterator[str]:
+    """Regular buoy rows, single and double: every answer listed, none picked, and the step between them."""
+    plane = LocalPlane(Position(54.0, 8.0))
+    single = [plane.to_position(0.0, k * NM_M) for k in range(12)]
+    double = [plane.to_position(side, k * NM_M) for k in range(8) for side in (0.0, 400.0)]
+    for name, places, first, last in (
+        ("single row of 12, 6 seen", single, 3, 9),
+        ("double row of 16, 8 seen", double, 4, 12),
+    ):
+        picked, listed, with_truth, steps = 0, [], 0, []
+        for seed in range(count):
+            generator = np.random.default_rng(seed)
+            own = plane.to_position(-900.0 + 200.0 * generator.normal(), 5.5 * NM_M if name[0] == "s" else 3.5 * NM_M)
+            epoch = _epoch_of(places, own, 360.0 * generator.uniform(), range(first, last), generator)
+            try:
+                associate(epoch)
+                picked += 1
+            except Ambiguous as ambiguous:
+                places_m = np.array([inverse(own, a.position)[0] for a in ambiguous.alternatives])
+                listed.append(len(places_m))
+                with_truth += bool(places_m.min() < 300.0)
+                steps.append(np.median(_nearest_m(ambiguous)))
+            except NoFix:
+                listed.append(0)
+        yield (
+            f"{name}: {picked} of {count} picked one; {np.mean(listed):.1f} places listed, the truth among them in "
+            f"{with_truth} of {count}, step {np.median(steps) / NM_M:.3f} NM"
+        )
+
+
+def shifted(count: int) -> Iterator[str]:
+    """AIS positions shifted alike: alarm, its vector, and false alarms where nothing is shifted."""
+    yield _row("share and shift", "answers", "refused", "alarm", "error m", "95 %")
+    for share, shift_m in ((0.2, 1500.0), (0.3, 600.0), (0.3, 1500.0), (0.3, 6000.0), (0.4, 1500.0)):
+        recipe = SceneRecipe(40, 120, 12.0, 20.0, 0.2, share, coherent_m=shift_m)
+        answers, alarms, errors_m = 0, 0, []
+        for seed in range(count):
+            try:
+                found = associate(make_scene(recipe, 50_000 + seed).epoch)
+            except NoFix:
+                continue
+            answers += 1
+            if found.second_group is not None:
+                alarms += 1
+                errors_m.append(abs(found.second_group.offset_m - shift_m))
+        median, most = np.percentile(errors_m, [50, 95]) if errors_m else (math.nan, math.nan)
+        alarm = f"{alarms / max(answers, 1):.1%}"
+        yield _row(f"{share:.0%}, {shift_m:.0f} m", answers, count - answers, alarm, f"{median:.0f}", f"{most:.0f}")
+    false = answers = 0
+    for seed in range(3 * count):
+        try:
+            found = associate(make_scene(SceneRecipe(40, 120, 12.0, 20.0, 0.2, 0.1), 60_000 + seed).epoch)
+        except NoFix:
+            continue
+        answers, false = answers + 1, false + (found.second_group is not None)
+    yield f"nothing shifted alike: {false} false alarms in {answers} answers"
+
+
+def misfit(count: int) -> Iterator[str]:
+    """Noise larger than stated, AIS off one by one, ranges biased: refuse rather than lie."""
+    base = SceneRecipe(30, 120, 12.0, 24.0, 0.3, 0.1)
+    for name, recipe in (
+        ("as stated", base),
+        ("noise x 2", replace(base, noise_misfit=2.0)),
+        ("noise x 3", replace(base, noise_misfit=3.0)),
+        ("every AIS off by 200 m", replace(base, noise_misfit=1.0, mark_offset_m=200.0)),
+        ("ranges + 150 m", replace(base, range_bias_m=150.0)),
+    ):
+        answers = wrong = 0
+        for seed in range(count):
+            made = make_scene(recipe, 70_000 + seed)
+            try:
+                found = associate(made.epoch)
+            except NoFix:
+                continue
+            answers += 1
+            wrong += inverse(found.position, made.position)[0] > 1000.0
+        yield f"{name:<24} answers {answers / count:>6.1%}   wrong {wrong}"
+
+
+def bound(count: int) -> Iterator[str]:
+    """Position and heading of the association against the Cramer-Rao bound of the right pairs, and their NEES."""
+    recipe = SceneRecipe(25, 80, 12.0, 20.0, 0.2, 0.05)
+    squared, bounds, nees = [], [], []
+    for seed in range(count):
+        made = make_scene(recipe, 80_000 + seed)
+        try:
+            found = associate(made.epoch)
+        except NoFix:
+            continue
+        if made.crlb is None:
+            continue
+        north_m, east_m = LocalPlane(made.position).to_plane(found.position)
+        error = np.array([north_m, east_m, math.radians(wrap_180(found.heading_deg - made.heading_deg))])
+        squared.append(error**2)
+        bounds.append(np.diag(made.crlb))
+        nees.append(error @ np.linalg.solve(found.covariance, error))
+    ratio = np.sqrt(np.mean(squared, axis=0) / np.mean(bounds, axis=0))
+    half = 1.96 * math.sqrt(6.0 / len(nees))
+    yield f"{len(nees)} answers: RMSE / bound north {ratio[0]:.3f}, east {ratio[1]:.3f}, heading {ratio[2]:.3f}"
+    yield f"NEES {np.mean(nees):.3f} (3 expected, 95 % band {3 - half:.3f} .. {3 + half:.3f})"
+
+
+def growth(_: int) -> Iterator[str]:
+    """Time and memory against the numbers of marks and targets."""
+    yield f"{'targets':>8}{'marks':>7}{'ms':>8}{'peak MB':>9}"
+    for targets, marks in ((60, 100), (60, 300), (60, 1000), (60, 2000), (20, 300), (200, 300)):
+        made = make_scene(SceneRecipe(targets, marks, 12.0, 24.0, 0.2, 0.05), 7)
+        times = [_timed(lambda made=made: searched(made))[1] for _ in range(5)]
+        tracemalloc.start()
+        searched(made)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        yield f"{targets:>8}{marks:>7}{np.median(times):>8.1f}{peak / 1e6:>9.1f}"
+
+
+def foreign(_: int) -> Iterator[str]:
+    """Radar of one place with the AIS of another (needs the recordings beside the project)."""
+    from navfix.nmea import read_log
+    from navfix.picture import epochs
+
+    folder = Path(__file__).resolve().parents[3] / "shared" / "data"
+    steps = {
+        "semi_real/dense_sf": 6, "semi_real/coastal_hakefjord": 4, "semi_real/moored_harlingen_atons": 1,
+        "marce/marce_01_001": 2, "marce/marce_01_004": 2, "marce/marce_01_010": 4,
+    }  # fmt: skip
+    if not folder.is_dir():
+        yield "shared data absent"
+        return
+    taken = {
+        name: [e for e in epochs(read_log(folder / f"{name}.nmea").records, every=step) if len(e.targets) >= 3]
+        for name, step in steps.items()
+    }
+    total = accepted = 0
+    highest = -math.inf
+    for radar, theirs in taken.items():
+        for ais, others in taken.items():
+            if radar == ais or (radar.startswith("marce") and ais.startswith("marce")):
+                continue
+            for k, epoch in enumerate(theirs):
+                mixed = replace(epoch, marks=others[(7 * k) % len(others)].marks)
+                try:
+                    associate(mixed)
+                    accepted += 1
+                except NoFix as error:
+                    highest = max(highest, getattr(error, "evidence", -math.inf))
+                total += 1
+    yield f"{total} scans: {accepted} accepted; highest evidence refused {highest:.1f}"
+
+
+# ----------------------------------------------------------------------------------------------------------- helpers
+
+
+def _row(first: object, *others: object) -> str:
+    return f"{first!s:<26}" + "".join(f"{other!s:>10}" for other in others)
+
+
+def random_recipe(generator: np.random.Generator) -> SceneRecipe:
+    return SceneRecipe(
+        targets=int(np.exp(generator.uniform(math.log(5), math.log(50)))),
+        marks=int(np.exp(generator.uniform(math.log(12), math.log(300)))),
+        ais_nm=float(generator.choice([12.0, 18.0, 24.0, 36.0])),
+        clutter=1.0 if generator.uniform() < 0.25 else float(generator.uniform(0.0, 0.6)),
+        false_ais=float(generator.uniform(0.0, 0.2)),
+        layout=str(generator.choice(["uniform", "anchorages", "lanes"], p=[0.5, 0.3, 0.2])),
+        bearing_sigma_deg=float(generator.choice([0.5, 1.0])),
+    )
+
+
+def _is_accepted(found: seeded.Search) -> bool:
+    ahead, evidence = ambiguity.margin(found.answers), float(found.answers.evidence[0])
+    sure = ambiguity.probability_wrong(evidence, ahead, MODEL) <= MODEL.accept_probability
+    return bool(sure and ahead >= MODEL.least_margin and found.answers.ships[0] >= 3)
+
+
+def _timed(call: Callable[[], object]) -> tuple[object, float]:
+    began = time.perf_counter()
+    return call(), 1e3 * (time.perf_counter() - began)
+
+
+def _xy(points: np.ndarray) -> np.ndarray:
+    return np.column_stack([points.real, points.imag])
+
+
+def _pycpd_ms(made: MadeScene) -> float:
+    import pycpd
+
+    scene = scenes.build(made.epoch, RADAR, MODEL)
+    kilometre = 1000.0
+
+    def eight_starts() -> None:
+        for turn in np.exp(2j * np.pi * np.arange(8) / 8):
+            pycpd.RigidRegistration(
+                X=_xy(scene.z / kilometre), Y=_xy(turn * scene.rho / kilometre), w=0.1, scale=False
+            ).register()
+
+    return _timed(eight_starts)[1]
+
+
+def _by_icp(made: MadeScene) -> bool:
+    """Iterated closest point from eight sides, least mean distance wins."""
+    from scipy.spatial import cKDTree
+
+    scene = scenes.build(made.epoch, RADAR, MODEL)
+    tree = cKDTree(_xy(scene.z))
+    best = (math.inf, 0j, 0j)
+    for turn in np.exp(2j * np.pi * np.arange(8) / 8):
+        rotation, translation = turn, complex(scene.z.mean() - turn * scene.rho.mean())
+        for _ in range(60):
+            distance, nearest = tree.query(_xy(rotation * scene.rho + translation))
+            matches = np.zeros((len(scene.rho), len(scene.z)))
+            matches[np.arange(len(scene.rho)), nearest] = 1.0
+            rotation, translation, _ = cpd.maximisation(scene.z, scene.rho, matches)
+        best = min(best, (float(distance.mean()), rotation, translation), key=lambda tried: tried[0])
+    position = scenes.position_of(scene, complex(best[2]))
+    return is_right(made, position, math.degrees(float(np.angle(best[1]))))
+
+
+def _by_clique(made: MadeScene) -> bool:
+    """Subgraph matching: the largest clique of (target, mark) nodes whose distances agree (networkx, 2 s)."""
+    import networkx
+
+    scene = scenes.build(made.epoch, RADAR, MODEL)
+    target, mark = np.divmod(np.arange(len(scene.rho) * len(scene.z)), len(scene.z))
+    apart = np.abs(
+        np.abs(scene.rho[target][:, None] - scene.rho[target]) - np.abs(scene.z[mark][:, None] - scene.z[mark])
+    )
+    agree = (apart < 150.0) & (target[:, None] != target) & (mark[:, None] != mark)
+    graph = networkx.from_numpy_array(agree)
+    began, best = time.perf_counter(), []
+    for clique in networkx.find_cliques(graph):
+        best = clique if len(clique) > len(best) else best
+        if time.perf_counter() - began > 2.0:
+            break
+    if len(best) < 2:
+        return False
+    matches = np.zeros((len(scene.rho), len(scene.z)))
+    matches[target[best], mark[best]] = 1.0
+    rotation, translation, _ = cpd.maximisation(scene.z, scene.rho, matches)
+    return is_right(made, scenes.position_of(scene, translation), math.degrees(float(np.angle(rotation))))
+
+
+def _epoch_of(
+    places: list[Position], own: Position, heading_deg: float, seen: range, generator: np.random.Generator
+) -> Epoch:
+    marks = tuple(Mark(f"buoy {k}", place, 10.0, kind="aton") for k, place in enumerate(places))
+    polar = [inverse(own, places[k]) for k in seen]
+    targets = tuple(
+        RadarTarget(
+            f"{k:02d}", r + 30.0 * generator.normal(), b - heading_deg + 0.5 * generator.normal(),
+            range_sigma_m=30.0, bearing_sigma_deg=0.5,
+        )
+        for k, (r, b) in enumerate(polar)
+    )  # fmt: skip
+    return Epoch(None, targets, marks)
+
+
+def _nearest_m(ambiguous: Ambiguous) -> list[float]:
+    places = [a.position for a in ambiguous.alternatives]
+    return [min(d for d in (inverse(one, other)[0] for other in places) if d > 300.0) for one in places]
+
+
+TABLES = {
+    table.__name__: table
+    for table in (methods, determinable, random, nothing, rows, shifted, misfit, bound, growth, foreign)
+}
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("tables", nargs="*", choices=[*TABLES, []], default=[])
+    parser.add_argument("--scenes", type=int, default=200)
+    arguments = parser.parse_args()
+    for name in arguments.tables or TABLES:
+        print(f"\n{name}: {TABLES[name].__doc__}")
+        for line in TABLES[name](arguments.scenes):
+            print(line, flush=True)
