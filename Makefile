@@ -35,7 +35,7 @@ test: $(VENV)/.test
 	$(BIN)/python -m pytest -n 2 -m "not study" --cov=navfix --cov-report=term:skip-covered
 
 # pytest ends with 5 where nothing is marked: not an error here.
-bench: $(VENV)/.test
+bench: $(VENV)/.dev
 	$(BIN)/python -m pytest -m study -s || [ $$? -eq 5 ]
 	@for script in tests/benchmarks/*.py; do \
 		[ -e "$$script" ] || continue; echo "== $$script"; $(BIN)/python "$$script" || exit 1; done
@@ -66,6 +66,10 @@ $(VENV)/.installed: $(VENV)/.pip
 
 $(VENV)/.test: $(VENV)/.installed
 	$(PIP) install --quiet --group test
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.installed
+	$(PIP) install --quiet --group dev
 	@touch $@
 
 $(VENV)/.docs: $(VENV)/.installed
