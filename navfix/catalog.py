@@ -234,7 +234,11 @@ def read_table(path: Path) -> dict[str, Any]:
     """Return the table of a model file outside or inside the catalogue; it must carry a title and a source."""
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except FileNotFoundError as error:
+        raise CatalogError(f"{path}: no such file", path=str(path)) from error
+    except OSError as error:
+        raise CatalogError(f"{path}: cannot be read: {error.strerror}", path=str(path)) from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
         raise CatalogError(f"{path.name}: not a readable TOML file: {error}", path=str(path)) from error
     for key in ("title", "source"):
         if not isinstance(content.get(key), str) or not content[key].strip():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from typing import TYPE_CHECKING, Any
 
 from navfix.cli import options, solving
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from navfix.comparison import Row
     from navfix.report.answer import Truth
     from navfix.types import Epoch
+
+SUFFIXES = (".txt", ".json", ".csv")
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -25,7 +28,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_estimation(parser)
     options.add_evidence(parser)
     options.add_truth(parser)
-    options.add_output(parser)
+    options.add_output(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
 
@@ -44,6 +47,8 @@ def run(args: argparse.Namespace) -> int:
     rows = compare(epoch, association, radar=radar, kernel=args.kernel, truth=place)
     text, as_json = table(rows, epoch, len(association.pairs)), to_json(rows, epoch, truth)
     print(as_json if args.json else text)
+    if track is not None and truth is None:
+        print(f"navfix: {args.truth}: nothing about the time of this scan: no error can be told", file=sys.stderr)
     options.write_outputs(
         args.out, {".txt": lambda: text + "\n", ".json": lambda: as_json + "\n", ".csv": lambda: to_csv(rows)}
     )

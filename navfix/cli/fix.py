@@ -35,4 +35,6 @@ def run(args: argparse.Namespace) -> int:
     if answer.error is not None:
         print(f"navfix: no fix ({answer.error.reason}): {one_line(answer.error)}", file=sys.stderr)
         return NO_FIX
+    if track is not None and answer.truth is None:
+        print(f"navfix: {args.truth}: nothing about the time of this scan: no error can be told", file=sys.stderr)
     return OK

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from functools import partial
@@ -59,9 +61,9 @@ def instant(text: str) -> datetime:
     """Return an ISO 8601 time as aware UTC; a time without a zone is UTC."""
     try:
         time = datetime.fromisoformat(text)
-    except ValueError:
+        return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
+    except (ValueError, OverflowError):  # overflow: a zone that leads out of the years 1 .. 9999
         raise argparse.ArgumentTypeError(f"must be a time like 2026-01-01T12:00:00Z, got {text!r}") from None
-    return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
 
 
 def output_file(text: str, suffixes: Sequence[str] = OUT_SUFFIXES) -> Path:
@@ -225,7 +227,7 @@ def inputs(args: argparse.Namespace) -> Iterator[Path]:
 
 
 def protect_inputs(args: argparse.Namespace) -> None:
-    """Refuse an output that is one of the inputs (also through links), or that is named twice.
+    """Refuse an output that is one of the inputs (also through links or as standard input), or that is named twice.
 
     Raises
     ------
@@ -234,11 +236,24 @@ def protect_inputs(args: argparse.Namespace) -> None:
     read = list(inputs(args))
     written: list[Path] = []
     for out in getattr(args, "out", None) or ():
-        if any(_same(out, path) for path in read):
+        if any(_same(out, path) for path in read) or (_reads_stdin(args) and _is_stdin(out)):
             raise CommandError(f"--out {out} is an input file; an input is never overwritten")
         if any(_same(out, path) for path in written):
             raise CommandError(f"--out {out} is named twice")
         written.append(out)
+
+
+def _reads_stdin(args: argparse.Namespace) -> bool:
+    case = getattr(args, "case", None) or ()
+    return getattr(args, "log", None) == STDIN or STDIN in case
+
+
+def _is_stdin(path: Path) -> bool:
+    """Tell whether standard input comes from this file (``navfix fix - < LOG``)."""
+    try:
+        return path.exists() and os.path.samestat(path.stat(), os.fstat(sys.stdin.fileno()))
+    except (OSError, ValueError, AttributeError):  # no such thing as a file behind standard input
+        return False
 
 
 def _same(one: Path, other: Path) -> bool:

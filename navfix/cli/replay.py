@@ -8,6 +8,8 @@ import sys
 from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
+SUFFIXES = (".json",)
+
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the parser."""
@@ -19,7 +21,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_window(parser)
     options.add_independent(parser)
     options.add_truth(parser)
-    options.add_output(parser)
+    options.add_output(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
 
@@ -31,18 +33,20 @@ def run(args: argparse.Namespace) -> int:
     solving.refuse(args, ["chart", "window"])
     track = solving.truth_track(args)
     log = solving.read(args.log)
-    lines, fixes = [], 0
+    lines, fixes, known = [], 0, 0
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
         if count % args.every:
             continue
         answer = solving.solve(solving.without_hints(epoch, args), args, track)
         fixes += answer.fix is not None
+        known += answer.truth is not None
         lines.append(render(answer, ".json").strip())
         print(lines[-1], flush=True)
     if not lines:
         raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
     options.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
-    print(f"navfix: {fixes} fixes in {len(lines)} scans", file=sys.stderr)
+    truths = "" if track is None else f", {known} of them with a truth"
+    print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
     return OK if fixes else NO_FIX
 
 

@@ -32,7 +32,12 @@ def read(path: str) -> Log:
     from navfix.nmea.log import report_problems
     from navfix.nmea.records import AisPosition, TargetReport
 
-    log = read_log(sys.stdin.buffer if path == options.STDIN else path, report=False)
+    log = (
+        read_log(sys.stdin.buffer, name="standard input", report=False)
+        if path == options.STDIN
+        else read_log(path, report=False)
+    )
+    path = log.name if path == options.STDIN else path
     if not log.records:
         first = f"; {log.problems[0]}" if log.problems else ""
         raise InputError(f"{path}: nothing readable, expected NMEA sentences{first}", source=path)
@@ -40,6 +45,11 @@ def read(path: str) -> Log:
     lacking = [word for word, there in (("radar targets (TTM)", log.of(TargetReport)), ("AIS (VDM)", ais)) if not there]
     if lacking:
         raise CommandError(f"{path}: no fix: the log holds no {' and no '.join(lacking)}", NO_FIX)
+    if log.time_basis == "none":
+        raise CommandError(
+            f"{path}: no fix: the log tells no time; expected TAG blocks, time stamps, or RMC, ZDA or TTM with UTC",
+            NO_FIX,
+        )
     report_problems(log)
     return log
 

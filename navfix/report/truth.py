@@ -34,6 +34,15 @@ class TruthTrack:
         InputError : no header with unix, lat and lon, no rows, or a number that cannot be right
         """
         reader = csv.DictReader(lines)
+        try:
+            return cls._read(reader, source)
+        except csv.Error as error:
+            raise InputError(f"{source}: not a CSV file: {error}", source=source) from error
+        except UnicodeDecodeError as error:
+            raise InputError(f"{source}: not text; expected a CSV file with unix, lat, lon", source=source) from error
+
+    @classmethod
+    def _read(cls, reader: csv.DictReader[str], source: str) -> TruthTrack:
         missing = {"unix", "lat", "lon"} - set(reader.fieldnames or ())
         if missing:
             raise InputError(
@@ -84,14 +93,21 @@ def with_truth(answer: Answer, track: TruthTrack) -> Answer:
     return replace(answer, truth=replace(truth, error_m=error_m, heading_error_deg=heading_error_deg))
 
 
-def _row(row: dict[str, str], source: str, line: int) -> tuple[float, Position, float | None]:
+def _row(row: dict[str, str | None], source: str, line: int) -> tuple[float, Position, float | None]:
     heading = row.get("heading_deg") or row.get("heading") or ""
     try:
-        time_s = float(row["unix"])
-        position = Position(float(row["lat"]), float(row["lon"]))
-        heading_deg = float(heading) if heading.strip() else None
-        if not math.isfinite(time_s):
-            raise ValueError("unix must be finite")
-    except (TypeError, ValueError) as error:
+        position = Position(_number(row["lat"], "lat"), _number(row["lon"], "lon"))
+        heading_deg = _number(heading, "heading_deg") if heading.strip() else None
+        return _number(row["unix"], "unix"), position, heading_deg
+    except InputError as error:
         raise InputError(f"{source}:{line}: {error}", source=source, line=line) from error
-    return time_s, position, heading_deg
+
+
+def _number(text: str | None, column: str) -> float:
+    try:
+        number = float(text or "")
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise InputError(f"{column} must be a finite number, got {text or 'nothing'}")
+    return number

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from navfix.catalog import data_folder
 from navfix.cli import main
 
 TTM = "$RATTM,07,5.76,237.5,R,5.8,176.3,T,0.1,2.0,N,,T,,120000.00,A*"
@@ -93,3 +94,58 @@ def test_a_no_fix_is_json_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     told = json.loads(capsys.readouterr().out)
     assert (told["status"], told["position"]) == ("no_fix", None)
     assert told["reason"]
+
+
+def test_a_log_without_any_time_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "log.nmea"
+    silent = "$RATTM,07,5.76,237.5,R,5.8,176.3,T,0.1,2.0,N,,T,,,A*"
+    log.write_text(f"{_sentence(silent)}\n{_sentence(AIS)}\n" * 20)
+    for command in ("fix", "replay", "compare"):
+        assert "tells no time" in _ends([command, str(log)], 3, capsys)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "missing lat, lon, unix"),
+        (b"unix,lat\n1,2\n", "missing lon"),
+        (b"unix,lat,lon\n", "no rows"),
+        (b"unix,lat,lon\n1,2\n", "truth.csv:2: lon must be a finite number, got nothing"),
+        (b"unix,lat,lon\nx,1,2\n", "truth.csv:2: unix must be a finite number, got x"),
+        (b"unix,lat,lon,heading_deg\n1,2,3,nan\n", "truth.csv:2: heading_deg must be a finite number, got nan"),
+        (b"unix,lat,lon\n1,95,3\n", "truth.csv:2: lat_deg must be within -90 .. 90"),
+        (random.Random(2).randbytes(3000), "truth.csv: not"),
+        (b"unix,lat,lon\n1,2," + b"3" * 200_000 + b"\n", "truth.csv: not a CSV file"),
+    ],
+)
+def test_a_truth_that_is_none_names_file_and_line(
+    content: bytes, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log, truth = tmp_path / "log.nmea", tmp_path / "truth.csv"
+    log.write_bytes(BAD["one target"][0])
+    truth.write_bytes(content)
+    assert said in _ends(["fix", str(log), "--truth", str(truth)], 4, capsys)
+
+
+def test_a_missing_kernel_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    case, gone = tmp_path / "case.toml", tmp_path / "gone.toml"
+    case.write_text("frame = 'plane'")
+    assert f"{gone}: no such file" in _ends(["adjust", str(case), "--kernel", str(gone)], 2, capsys)
+
+
+def test_a_truth_of_another_time_is_told_beside_the_fix(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    truth = tmp_path / "truth.csv"
+    truth.write_text("unix,lat,lon\n1,54,12\n2,54,12\n")
+    log = str(data_folder("data") / "logs" / "approach.nmea")
+    for command in ("fix", "compare"):
+        assert "nothing about the time of this scan" in _ends([command, log, "--truth", str(truth)], 0, capsys)
+
+
+@pytest.mark.parametrize(("command", "suffix"), [("replay", ".svg"), ("compare", ".geojson")])
+def test_a_format_that_the_command_cannot_write_is_refused_at_once(
+    command: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([command, "log.nmea", "--out", str(tmp_path / f"out{suffix}")]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "the suffix chooses the format" in captured.err

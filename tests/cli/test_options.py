@@ -57,6 +57,7 @@ def test_at_is_utc_whatever_zone_it_is_given_in(text: str, time: datetime) -> No
     "argv",
     [
         ["--at", "noon"],
+        ["--at", "0001-01-01T00:00:00+14:00"],
         ["--range-sigma", "0"],
         ["--bearing-sigma", "-1"],
         ["--bearing-sigma", "nan"],
@@ -147,3 +148,15 @@ def test_a_command_can_name_the_formats_it_writes() -> None:
     assert parser.parse_args(["--out", "a.txt"]).out == [Path("a.txt")]
     with pytest.raises(argparse.ArgumentError, match=r"one of \.txt"):
         parser.parse_args(["--out", "a.svg"])
+
+
+def test_the_file_behind_standard_input_is_never_overwritten(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    log, other = tmp_path / "log.nmea", tmp_path / "other.nmea"
+    log.write_text("sentences")
+    other.write_text("more")
+    with log.open(encoding="ascii") as stdin:
+        monkeypatch.setattr("sys.stdin", stdin)
+        with pytest.raises(CommandError, match="is an input file"):
+            options.protect_inputs(_parser().parse_args(["-", "--out", str(log)]))
+        options.protect_inputs(_parser().parse_args(["-", "--out", str(other)]))
+        options.protect_inputs(_parser().parse_args(["elsewhere.nmea", "--out", str(log)]))
