@@ -223,7 +223,8 @@ class GnssReport:
 class Epoch:
     """Everything reduced to one instant: targets, marks, and the hints that a log may hold.
 
-    ``left_out`` counts the stations that could not serve as marks, by reason.
+    ``left_out`` counts the stations that could not serve as marks, by reason. ``build_ms`` is how long it took to
+    reduce everything to the instant [ms].
     """
 
     time_utc: datetime | None
@@ -233,6 +234,7 @@ class Epoch:
     position_hint: PositionHint | None = None
     gnss: GnssReport | None = None
     left_out: tuple[tuple[str, int], ...] = ()
+    build_ms: float | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "targets", tuple(self.targets))
@@ -406,12 +408,18 @@ class GlobalTest:
 
 @dataclass(frozen=True, slots=True)
 class Integrity:
-    """What the fix guarantees: radius that holds 95 %, and the protection level where the redundancy carries one."""
+    """What the fix guarantees: radius that holds 95 %, and the protection level where the redundancy carries one.
+
+    ``slope_level_m`` is the protection level by the slope method, for comparison; ``reason`` says in words why there
+    is no protection level, and is empty where there is one or none was asked for.
+    """
 
     r95_m: float
     protection_level_m: float | None = None
     probability_of_false_alarm: float | None = None
     probability_of_missed_detection: float | None = None
+    slope_level_m: float | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -421,6 +429,7 @@ class Fix:
     ``covariance`` and ``cofactor_matrix`` are (3, 3) in (north m, east m, heading rad), or (2, 2) where the heading is
     not an unknown; covariance = sigma0^2 cofactor_matrix when ``covariance_scaling`` is "a_posteriori".
     ``redundancy`` counts observations minus unknowns; ``dof`` is the weighted count that belongs to sigma0.
+    ``compass_error_deg`` with its 1 sigma is what must be added to the true bearings, where it was an unknown.
     """
 
     position: Position | PlanePosition
@@ -441,6 +450,8 @@ class Fix:
     alternatives: tuple[Alternative, ...] = ()
     start: str = ""
     notes: tuple[str, ...] = field(default=())
+    compass_error_deg: float | None = None
+    compass_error_sigma_deg: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariance", _frozen_array(self.covariance, np.float64))
@@ -480,7 +491,11 @@ class MeanFix:
 
 @dataclass(frozen=True, slots=True)
 class GnssVerdict:
-    """The GNSS of the log against the fix: what was found, how far apart, and what could have been seen at all."""
+    """The GNSS of the log against the fix: what was found, how far apart, and what could have been seen at all.
+
+    Where epochs were followed, ``verdict`` is the lasting one and ``instant`` that of this epoch alone; ``alert`` is
+    the sentence of a change, once; ``drift_mps`` the rate at which GNSS leaves the fix. None for a single epoch.
+    """
 
     position: Position
     distance_m: float
@@ -488,3 +503,35 @@ class GnssVerdict:
     threshold_m: float
     smallest_detectable_m: float
     reasons: tuple[str, ...]
+    instant: Verdict | None = None
+    alert: str | None = None
+    drift_mps: float | None = None
+
+
+VeracityStatus = Literal["agrees", "disagrees", "no_echo", "elsewhere", "too_little"]
+
+
+@dataclass(frozen=True, slots=True)
+class ShipVeracity:
+    """One AIS station against radar, over all epochs that were fed.
+
+    ``offset_m`` and ``azimuth_deg`` say where radar sees it from where its AIS says it is, ``sigma_m`` how well that is
+    known along this direction, ``p_value`` how often a true AIS would give as much; None where no echo belongs to it.
+    ``seen`` counts the epochs with an echo, ``expected`` those in which one had to be seen, ``missing`` those of them
+    without; ``target`` is the echo that lies elsewhere.
+    """
+
+    mark: str
+    mmsi: int | None
+    name: str | None
+    status: VeracityStatus
+    epochs: int
+    seen: int
+    expected: int
+    missing: int
+    offset_m: float | None = None
+    azimuth_deg: float | None = None
+    sigma_m: float | None = None
+    p_value: float | None = None
+    target: str | None = None
+    note: str = ""
