@@ -25,7 +25,8 @@ class RadarModel:
     """What one class of radar measures, 1 sigma; IMO's figures are 95 % and were divided by 1.96.
 
     The sigma of a range is the larger of ``range_sigma_m`` and ``range_sigma_fraction`` x range. Rounding of the
-    sentences comes on top when targets are read.
+    sentences comes on top when targets are read. ``compass_sigma_deg`` is that of the error common to all true bearings:
+    the compass that turned them and the alignment of the radar.
     """
 
     name: str
@@ -36,6 +37,7 @@ class RadarModel:
     bearing_sigma_deg: float
     maximum_range_m: float
     turn_s: float
+    compass_sigma_deg: float = 1.5
 
     def sigma_of_range_m(self, range_m: ArrayLike) -> FloatArray:
         """Return 1 sigma [m] of each range [m]."""

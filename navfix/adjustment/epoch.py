@@ -1,52 +1,28 @@
-"""From an epoch and its association to a fix: the plane about own ship, the network on it, the record."""
+"""From an epoch and its association to a fix: the problem, the search, the solution, the record."""
 
 from __future__ import annotations
 
-import cmath
 import math
-from collections.abc import Sequence
-from dataclasses import replace
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from navfix.adjustment import solve as solving
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
-from navfix.adjustment.observations import adjusted_observations, notes
-from navfix.adjustment.reliability import assess
+from navfix.adjustment.compass import Located, border, bordered_cofactor, locate
+from navfix.adjustment.lever_arm import Alignment, Offset, aligned, checked_offset, moved_covariance, swung
+from navfix.adjustment.network import Network
+from navfix.adjustment.observations import adjusted_observations, compass_notes, notes
+from navfix.adjustment.pairs import Problem, mask_of, observation_sigmas, pairs_of, problem_of
+from navfix.adjustment.reliability import Quality, assess
+from navfix.adjustment.search import Placer, Search
 from navfix.adjustment.solve import Solution, Solver
-from navfix.adjustment.start import Minimum, find_minima, follow, follow_given
-from navfix.adjustment.trials import with_heading
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
-from navfix.errors import InputError, TooFewPairs
-from navfix.geodesy import LocalPlane, centroid
+from navfix.geodesy import LocalPlane
 from navfix.kernels import Damping, Kernel
-from navfix.types import (
-    Alternative,
-    Association,
-    Epoch,
-    Fix,
-    FloatArray,
-    HeadingHint,
-    Integrity,
-    Mark,
-    Position,
-    RadarTarget,
-)
+from navfix.types import Alternative, Association, Epoch, Fix, FloatArray, HeadingHint, Integrity, Position
 from navfix.units import wrap_360
-
-_STANDS_STILL_M = 1e-3
-_TURNED_DEG = 0.02  # convergence between search planes that is small beside any radar's bearing sigma
-_PLANES = 12
-
-
-class Pair(NamedTuple):
-    """A target and the mark that it is."""
-
-    target: RadarTarget
-    mark: Mark
 
 
 def adjust(
@@ -59,14 +35,19 @@ def adjust(
     heading_prior: HeadingHint | None = None,
     range_sigma_m: float | None = None,
     bearing_sigma_deg: float | None = None,
+    compass_sigma_deg: float | None = None,
+    radar_antenna_m: Offset = (0.0, 0.0),
+    alignment: Alignment | tuple[float, float] | None = None,
     mask: ArrayLike | None = None,
     start: tuple[Position, float | None] | None = None,
     solver: Solver = "auto",
 ) -> Fix:
     """Adjust own-ship position and heading from associated radar targets and marks.
 
-    Each pair gives a range and a relative or true bearing. With any relative bearing the heading is an unknown; when
-    all bearings are true it is not: the fix then has ``heading_deg`` None and a (2, 2) covariance.
+    Each pair gives a range and a relative or true bearing. With any relative bearing the heading is an unknown. True
+    bearings share the error of the compass that made them: it is an unknown with the prior (0, ``compass_sigma_deg``),
+    given up where the data say so (`compass_error_deg` of the fix). When all bearings are true the own heading is not
+    determined: the fix then has ``heading_deg`` None and a (2, 2) covariance, which contains the compass error.
     ``epoch.heading_hint`` is not used: what shall count as evidence is given as ``heading_prior``.
 
     Parameters
@@ -78,6 +59,11 @@ def adjust(
     damping : "joint" (one weight per target) or "separate" (one per observation)
     heading_prior : heading of a compass with its sigma, an observation like the others; its standardised residual is
         judged in the notes of the fix
+    compass_sigma_deg : 1 sigma of the error common to all true bearings; None: the radar model's; 0 holds it at zero
+    radar_antenna_m : forward and starboard of the ship's reference point; the position is that of the reference point
+        (with all bearings true the heading hint of the epoch turns the offset; without one the antenna's place stays)
+    alignment : direction of the radar's zero mark from the bow, clockwise, and its sigma [deg]; the heading is the
+        bow's then (``heading_reference`` "bow"), the zero mark's without it
     mask : (k,) or (k, 2) for (range, bearing): which observations take part
     start : position, and heading [deg] or None (then the one that most targets agree on there); the minimum reached
         from it is the fix and other minima are only listed
@@ -91,163 +77,88 @@ def adjust(
     ------
     TooFewPairs : fewer observations than unknowns; Unobservable : the geometry leaves a direction free;
     NoAgreement : the observations contradict each other; Ambiguous : another place explains them nearly as well;
-    InputError : a mask of the wrong shape; CatalogError : an unknown radar or kernel
+    InputError : a mask of the wrong shape, an impossible offset or sigma; CatalogError : an unknown radar or kernel
 
     References
     ----------
     Knopp, thesis, 4.3; Gdynia stand (Czaplewski et al.), eq. 14-17; Huber, Robust Statistics, 1981.
     """
-    pairs = [Pair(epoch.targets[t], epoch.marks[m]) for t, m in association.pairs]
-    if not pairs:
-        raise TooFewPairs("no pairs: nothing to adjust", observations=0, unknowns=3)
-    damper = kernel_of(kernel)
-    sigmas = observation_sigmas(pairs, radar_model(radar), range_sigma_m, bearing_sigma_deg)
-    network = _network(pairs, sigmas, _mask(mask, len(pairs)), heading_prior)
-    solving.check_counts(network)
-    plane, network, minima = _search(network, pairs, association, damper, damping, start)
-    place = _Placer(plane)
-    solving.check_solution(network, damper, damping, minima, place=place, rivals=start is None)
-    plane, network, best = _stand_still(plane, network, pairs, damper, damping, minima[0])
-    solution = solving.finish(network, damper, damping, best, others=tuple(minima[1:]), solver=solver)
-    alternatives = tuple(solving.alternative(minimum, place) for minimum in minima[1:])
-    return _fix(epoch, association, pairs, network, plane, damper, damping, solution, alternatives)
-
-
-# ------------------------------------------------------------------------------------------------------ the network
-
-
-def observation_sigmas(
-    pairs: Sequence[Pair], radar: RadarModel, range_sigma_m: float | None, bearing_sigma_deg: float | None
-) -> FloatArray:
-    """Return (k, 2): sigma of range [m] and bearing [rad]; an explicit one, else the target's, else the radar's."""
-    for name, value in (("range_sigma_m", range_sigma_m), ("bearing_sigma_deg", bearing_sigma_deg)):
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{name} must be > 0, got {value}")
-    by_model = radar.sigma_of_range_m(np.array([pair.target.range_m for pair in pairs]))
-    rows = [
-        (
-            range_sigma_m or pair.target.range_sigma_m or by_model[row],
-            math.radians(bearing_sigma_deg or pair.target.bearing_sigma_deg or radar.bearing_sigma_deg),
-        )
-        for row, pair in enumerate(pairs)
-    ]
-    return np.array(rows, np.float64)
-
-
-def _mask(mask: ArrayLike | None, count: int) -> FloatArray:
-    if mask is None:
-        return np.ones((count, 2), bool)
-    given = np.asarray(mask, bool)
-    if given.shape not in ((count,), (count, 2)):
-        raise InputError(f"mask must have shape ({count},) or ({count}, 2), got {given.shape}")
-    return np.repeat(given[:, None], 2, axis=1) if given.ndim == 1 else given
-
-
-def _network(pairs: Sequence[Pair], sigmas: FloatArray, mask: FloatArray, heading_prior: HeadingHint | None) -> Network:
-    """Make the network with all marks at the origin: `Network.with_marks` puts them on a plane."""
-    bearing_kind = [TRUE_BEARING if p.target.bearing_reference == "true" else RELATIVE_BEARING for p in pairs]
-    values = [(p.target.range_m, math.radians(p.target.bearing_deg)) for p in pairs]
-    prior = heading_prior
-    return Network.build(
-        kind=np.column_stack([np.full(len(pairs), RANGE), bearing_kind]).ravel(),
-        mark=np.repeat(np.arange(len(pairs)), 2),
-        value=np.array(values).ravel(),
-        sigma=sigmas.ravel(),
-        mark_ne_m=np.zeros((len(pairs), 2)),
-        mark_sigma_m=[p.mark.sigma_m for p in pairs],
-        mask=mask.ravel(),
-        heading_prior_rad=None if prior is None else (math.radians(prior.heading_deg), math.radians(prior.sigma_deg)),
+    model, damper = radar_model(radar), kernel_of(kernel)
+    mounting = _Mounting.of(radar_antenna_m, alignment)
+    pairs = pairs_of(epoch, association)
+    problem = problem_of(
+        pairs,
+        observation_sigmas(pairs, model, range_sigma_m, bearing_sigma_deg),
+        mask_of(mask, len(pairs)),
+        heading_prior=heading_prior,
+        compass_sigma_deg=model.compass_sigma_deg if compass_sigma_deg is None else compass_sigma_deg,
     )
+    solving.check_counts(problem.network)
+    search = Search(pairs, damper, damping, _given(association, start, problem, mounting), start is not None)
+    located = locate(search, problem)
+    solution = _finished(located, damper, damping, solver)
+    return _fix(epoch, association, problem, located, damper, damping, solution, mounting)
 
 
-# -------------------------------------------------------------------------------------------------- the local plane
+def _given(
+    association: Association, start: tuple[Position, float | None] | None, problem: Problem, mounting: _Mounting
+) -> tuple[Position, float | None] | None:
+    """Return the pose to begin from: of the radar's antenna and zero mark, or with the compass error for a turn."""
+    if start is None:
+        return None if association.position is None else (association.position, association.heading_deg)
+    if problem.common:
+        return start[0], 0.0
+    return mounting.antenna_and_zero_mark(*start)
 
 
-def _search(
-    network: Network,
-    pairs: Sequence[Pair],
-    association: Association,
-    kernel: Kernel,
-    damping: Damping,
-    start: tuple[Position, float | None] | None,
-) -> tuple[LocalPlane, Network, list[Minimum]]:
-    """Find the minima on a plane whose north is that of the best one.
-
-    Directions in a plane are true only at its origin. The first origin is a given pose or the middle of the marks;
-    where true bearings or a heading prior make north matter, the search moves to where it led until north stays.
-    """
-    lat, lon = _coordinates(pairs)
-    origin = start[0] if start is not None else association.position or centroid(lat, lon)
-    given = start or ((association.position, association.heading_deg) if association.position is not None else None)
-    north_matters = network.prior_counts or bool(np.any((network.kind == TRUE_BEARING) & network.mask))
-    for _ in range(_PLANES):
-        plane = LocalPlane(origin)
-        network = network.with_marks(plane.all_to_plane(lat, lon))
-        minima = _minima(network, plane, kernel, damping, given, only_given=start is not None)
-        north_m, east_m = (float(x) for x in minima[0].pose[:2])
-        there = plane.to_position(north_m, east_m)
-        if not north_matters or abs(plane.convergence_deg(there)) < _TURNED_DEG:
-            break
-        origin = there
-    return plane, network, minima
+def _finished(located: Located, kernel: Kernel, damping: Damping, solver: Solver) -> Solution:
+    found = located.found
+    return solving.finish(found.network, kernel, damping, found.minima[0], solver=solver)
 
 
-def _minima(
-    network: Network,
-    plane: LocalPlane,
-    kernel: Kernel,
-    damping: Damping,
-    given: tuple[Position, float | None] | None,
-    *,
-    only_given: bool,
-) -> list[Minimum]:
-    if given is None:
-        return find_minima(network, kernel, damping)
-    position, heading_deg = given
-    pose = with_heading(network, plane.to_plane(position)[None, :])[0]
-    if heading_deg is not None and network.heading_unknown:
-        pose[2] = math.radians(heading_deg - plane.convergence_deg(position))
-    minima = find_minima(network, kernel, damping, given=(("association", pose),))
-    if not only_given:
-        return minima
-    best = follow_given(network, kernel, damping, pose)
-    return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]
+# --------------------------------------------------------------------------------------------- the radar on the ship
 
 
-def _coordinates(pairs: Sequence[Pair]) -> tuple[list[float], list[float]]:
-    return [p.mark.position.lat_deg for p in pairs], [p.mark.position.lon_deg for p in pairs]
+@dataclass(frozen=True, slots=True)
+class _Mounting:
+    """Where the radar's antenna is, (forward, starboard) [m], and how its zero mark is aligned (None: not known)."""
 
+    offset_m: Offset
+    alignment: Alignment | None
 
-class _Placer:
-    """Turns a pose on a plane into a position and a true heading [deg]."""
+    @classmethod
+    def of(cls, offset_m: Offset, alignment: Alignment | tuple[float, float] | None) -> _Mounting:
+        given = Alignment(*alignment) if isinstance(alignment, tuple) else alignment
+        return cls(checked_offset(offset_m, "radar_antenna_m"), given)
 
-    def __init__(self, plane: LocalPlane) -> None:
-        self._plane = plane
+    @property
+    def plain(self) -> bool:
+        return self.alignment is None and not any(self.offset_m)
 
-    def __call__(self, pose: FloatArray) -> tuple[Position, float | None]:
-        position = self._plane.to_position(float(pose[0]), float(pose[1]))
-        return position, wrap_360(math.degrees(float(pose[2])) + self._plane.convergence_deg(position))
+    @property
+    def turn_deg(self) -> float:
+        return 0.0 if self.alignment is None else self.alignment.offset_deg
 
+    def antenna_and_zero_mark(self, own: Position, heading_deg: float | None) -> tuple[Position, float | None]:
+        """Return the place of the antenna and the heading of the zero mark of a ship's place and heading."""
+        if heading_deg is None or self.plain:
+            return own, heading_deg
+        north_m, east_m = swung(self.offset_m, math.radians(heading_deg))[0].tolist()
+        return LocalPlane(own).to_position(north_m, east_m), heading_deg + self.turn_deg
 
-def _stand_still(
-    plane: LocalPlane, network: Network, pairs: Sequence[Pair], kernel: Kernel, damping: Damping, best: Minimum
-) -> tuple[LocalPlane, Network, Minimum]:
-    """Re-centre the plane on the estimate until it stands still: then ranges and bearings are exact geodesics."""
-    lat, lon = _coordinates(pairs)
-    for _ in range(_PLANES):
-        before = network.mark_ne_m - best.pose[:2]
-        plane = LocalPlane(plane.to_position(float(best.pose[0]), float(best.pose[1])))
-        network = network.with_marks(plane.all_to_plane(lat, lon))
-        turn_rad = cmath.phase(complex(np.sum(_complex(network.mark_ne_m) * np.conj(_complex(before)))))
-        start = np.array([0.0, 0.0, best.pose[2] + turn_rad * network.heading_unknown])
-        best = replace(follow(network, kernel, damping, start, best.start), start=best.start)
-        if math.hypot(best.pose[0], best.pose[1]) < _STANDS_STILL_M:
-            break
-    return plane, network, best
+    def ship_of(self, antenna: Position, zero_mark_deg: float | None) -> tuple[Position, float | None]:
+        """Return the place of the reference point and the bow's heading; the inverse of `antenna_and_zero_mark`."""
+        if zero_mark_deg is None or self.plain:
+            return antenna, zero_mark_deg
+        heading_deg = zero_mark_deg - self.turn_deg
+        north_m, east_m = (-swung(self.offset_m, math.radians(heading_deg))[0]).tolist()
+        return LocalPlane(antenna).to_position(north_m, east_m), wrap_360(heading_deg)
 
-
-def _complex(north_east: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:
-    return north_east[:, 0] + 1j * north_east[:, 1]
+    def covariance_of_ship(self, covariance: FloatArray, heading_deg: float) -> FloatArray:
+        """Return the covariance (3, 3) of reference point and bow from that of antenna and zero mark."""
+        if self.alignment is not None:
+            covariance = aligned(covariance, self.alignment)
+        return moved_covariance(covariance, swung(self.offset_m, math.radians(heading_deg))[1], -1.0)
 
 
 # ------------------------------------------------------------------------------------------------------- the record
@@ -256,32 +167,98 @@ def _complex(north_east: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.
 def _fix(
     epoch: Epoch,
     association: Association,
-    pairs: Sequence[Pair],
-    network: Network,
-    plane: LocalPlane,
+    problem: Problem,
+    located: Located,
     kernel: Kernel,
     damping: Damping,
     solution: Solution,
-    alternatives: tuple[Alternative, ...],
+    mounting: _Mounting,
 ) -> Fix:
-    quality = assess(network, solution.pose, solution.weights, solution.cofactor, damping)
-    heading_deg = float(wrap_360(math.degrees(solution.pose[2]))) if network.heading_unknown else None
+    found, network = located.found, located.found.network
+    heading_known = network.heading_unknown and not problem.common
+    quality = _quality(located, kernel, damping, solution)
+    error_deg, error_sigma_deg = _compass_error(problem, located, solution, quality)
+    place = Placer(found.plane, heading=heading_known)
+    position, zero_mark_deg = place(solution.pose)
+    covariance, said = quality.covariance[:2, :2], _said(problem, network, quality, solution)
+    if heading_known and zero_mark_deg is not None:
+        position, heading_deg = mounting.ship_of(position, zero_mark_deg)
+        covariance = mounting.covariance_of_ship(quality.covariance[:3, :3], math.radians(heading_deg or 0.0))
+    else:
+        heading_deg = None
+        position, added = _by_hint(epoch, mounting, position, said)
+        covariance = covariance + added
+    said += compass_notes(error_deg, error_sigma_deg, problem, located)
+    scale = quality.sigma0**2 if quality.scaling == "a_posteriori" else 1.0
+    labels = [(pair.target.label, pair.mark.label) for pair in problem.pairs]
     return Fix(
-        position=plane.to_position(float(solution.pose[0]), float(solution.pose[1])),
+        position=position,
         heading_deg=heading_deg,
-        covariance=quality.covariance,
+        covariance=covariance,
         sigma0=quality.sigma0,
-        redundancy=network.redundancy,
-        observations=adjusted_observations(network, solution, quality, [(p.target.label, p.mark.label) for p in pairs]),
+        redundancy=network.redundancy - (located.eliminated_rad is not None and located.prior_rad is None),
+        observations=adjusted_observations(
+            network, solution, quality, labels, kind=problem.kind, observed=problem.network.value
+        ),
         association=association,
         epoch=epoch,
-        cofactor_matrix=quality.cofactor,
+        cofactor_matrix=covariance / scale,
         covariance_scaling=quality.scaling,
         dof=quality.dof,
         kernel=kernel.name,
+        heading_reference="radar_zero_mark" if mounting.alignment is None else "bow",
         global_test=quality.global_test,
         integrity=Integrity(r95_m=quality.r95_m),
-        alternatives=alternatives,
+        alternatives=tuple(_of_ship(other, mounting) for other in located.alternatives),
         start=solution.start,
-        notes=notes(network, quality, solution),
+        notes=tuple(said),
+        compass_error_deg=error_deg,
+        compass_error_sigma_deg=error_sigma_deg,
     )
+
+
+def _said(problem: Problem, network: Network, quality: Quality, solution: Solution) -> list[str]:
+    prior = "compass prior" if problem.common or problem.mixed else "heading prior"
+    return list(notes(network, quality, solution, prior=prior))
+
+
+def _quality(located: Located, kernel: Kernel, damping: Damping, solution: Solution) -> Quality:
+    network, pose = located.found.network, solution.pose
+    if located.eliminated_rad is None:
+        return assess(network, pose, solution.weights, solution.cofactor, damping)
+    edge = border(network, kernel, damping, pose, located.prior_rad)
+    cofactor = bordered_cofactor(solution.cofactor, edge)
+    compass = (located.eliminated_rad, located.prior_rad)
+    return assess(network, pose, solution.weights, cofactor, damping, compass_rad=compass)
+
+
+def _compass_error(
+    problem: Problem, located: Located, solution: Solution, quality: Quality
+) -> tuple[float | None, float | None]:
+    """Return the error of the compass and its sigma [deg], None where it is no unknown."""
+    if not problem.common and located.eliminated_rad is None:
+        return None, None
+    error_rad = float(solution.pose[2]) if located.eliminated_rad is None else located.eliminated_rad
+    return math.degrees(error_rad), math.degrees(math.sqrt(float(quality.covariance[-1, -1])))
+
+
+def _by_hint(
+    epoch: Epoch, mounting: _Mounting, antenna: Position, said: list[str]
+) -> tuple[Position, FloatArray | float]:
+    """Return the reference point by the heading hint where the heading is not an unknown, and the variance added."""
+    hint = epoch.heading_hint
+    if not any(mounting.offset_m):
+        return antenna, 0.0
+    if hint is None:
+        said.append("the position is that of the radar antenna: no heading turns its offset")
+        return antenna, 0.0
+    away, by_heading = swung(mounting.offset_m, math.radians(hint.heading_deg))
+    position = LocalPlane(antenna).to_position(float(-away[0]), float(-away[1]))
+    return position, math.radians(hint.sigma_deg) ** 2 * np.outer(by_heading, by_heading)
+
+
+def _of_ship(other: Alternative, mounting: _Mounting) -> Alternative:
+    if not isinstance(other.position, Position):
+        return other
+    position, heading_deg = mounting.ship_of(other.position, other.heading_deg)
+    return replace(other, position=position, heading_deg=heading_deg)

@@ -7,31 +7,45 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from navfix.adjustment.compass import Located
 from navfix.adjustment.network import KIND_NAMES, RANGE, TRUE_BEARING, Network
+from navfix.adjustment.pairs import Problem
 from navfix.adjustment.reliability import CONSPICUOUS, Quality
 from navfix.adjustment.solve import Solution
-from navfix.types import AdjustedObservation
+from navfix.types import AdjustedObservation, FloatArray, IntArray
 from navfix.units import wrap_360
+
+_DEG = math.degrees(1.0)
 
 
 def adjusted_observations(
-    network: Network, solution: Solution, quality: Quality, labels: Sequence[tuple[str, str]]
+    network: Network,
+    solution: Solution,
+    quality: Quality,
+    labels: Sequence[tuple[str, str]],
+    *,
+    kind: IntArray | None = None,
+    observed: FloatArray | None = None,
 ) -> tuple[AdjustedObservation, ...]:
-    """Return the report of every observation, in m and deg; ``labels`` (target, mark) by mark index."""
+    """Return the report of every observation, in m and deg; ``labels`` (target, mark) by mark index.
+
+    ``kind`` and ``observed`` (m,) as they were measured, where the network holds them otherwise (compass error).
+    """
     rows = []
-    for i, kind in enumerate(network.kind):
-        unit = 1.0 if kind == RANGE else math.degrees(1.0)
-        observed, residual = float(network.value[i]) * unit, float(quality.residual[i]) * unit
-        adjusted = observed + residual
+    kinds, values = network.kind if kind is None else kind, network.value if observed is None else observed
+    for i, kind_ in enumerate(kinds.tolist()):
+        unit = 1.0 if kind_ == RANGE else _DEG
+        observed_, residual = float(values[i]) * unit, float(quality.residual[i]) * unit
+        adjusted = observed_ + residual
         target, mark = labels[network.mark[i]]
         testable = bool(quality.testable[i])
         rows.append(
             AdjustedObservation(
                 target=target,
                 mark=mark,
-                kind=KIND_NAMES[kind],
-                observed=observed if kind == RANGE else wrap_360(observed),
-                adjusted=adjusted if kind == RANGE else wrap_360(adjusted),
+                kind=KIND_NAMES[kind_],
+                observed=observed_ if kind_ == RANGE else wrap_360(observed_),
+                adjusted=adjusted if kind_ == RANGE else wrap_360(adjusted),
                 residual=residual,
                 sigma=float(quality.sigma[i]) * unit,
                 standardized=float(quality.standardized[i]) if testable else None,
@@ -43,15 +57,28 @@ def adjusted_observations(
     return tuple(rows)
 
 
-def notes(network: Network, quality: Quality, solution: Solution) -> tuple[str, ...]:
-    """Say in words what a reader of the numbers must know."""
+def notes(network: Network, quality: Quality, solution: Solution, *, prior: str = "heading prior") -> tuple[str, ...]:
+    """Say in words what a reader of the numbers must know; ``prior`` is the word for what holds the turn."""
     said = [f"solved by {'GTSAM' if solution.solver == 'gtsam' else 'dense normal equations'}"]
     if quality.scaling == "a_priori":
         said.append(f"sigma0 not used: {quality.dof:.1f} degrees of freedom are too few to judge the noise")
     if abs(quality.prior_standardized) > CONSPICUOUS:
-        said.append(
-            f"the heading prior disagrees with the marks: standardised residual {quality.prior_standardized:.1f}"
-        )
+        said.append(f"the {prior} disagrees with the marks: standardised residual {quality.prior_standardized:.1f}")
     if not network.heading_unknown and np.any(network.kind == TRUE_BEARING):
         said.append("all bearings are true: the heading is not an unknown")
+    return tuple(said)
+
+
+def compass_notes(
+    error_deg: float | None, sigma_deg: float | None, problem: Problem, located: Located
+) -> tuple[str, ...]:
+    """Say in words what became of the compass in the true bearings; nothing where it is no unknown."""
+    if error_deg is None or sigma_deg is None:
+        return ()
+    said = [f"compass error {error_deg:+.2f} deg +- {sigma_deg:.2f} (1 sigma), to be added to the true bearings"]
+    if problem.common:
+        said.append("all bearings are true: own heading is not determined")
+    if located.prior_rad is None:
+        expected = f"{math.degrees(problem.compass_sigma_rad):.1f} deg (1 sigma)"
+        said.append(f"CHECK THE COMPASS: its error was estimated freely, {expected} do not explain it")
     return tuple(said)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.adjustment.network import Network, effective_sigma, jacobian, prior_residual, residuals
-from navfix.adjustment.whitening import back_to_units, whitened, whitener
+from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, jacobian, prior_residual, residuals
+from navfix.adjustment.whitening import back_to_units, whiten, whitened, whitener
 from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest
 
@@ -45,8 +45,19 @@ class Quality:
     r95_m: float
 
 
-def assess(network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping) -> Quality:
+def assess(
+    network: Network,
+    pose: FloatArray,
+    weights: FloatArray,
+    cofactor: FloatArray,
+    damping: Damping,
+    *,
+    compass_rad: tuple[float, float | None] | None = None,
+) -> Quality:
     """Assess a solution with ``weights`` (m,) and ``cofactor`` (u, u) = (A'WA)^-1.
+
+    ``compass_rad``: the error common to the true bearings, already in their values, and the sigma of its prior (None
+    without one), where it is an unknown beside the heading; the cofactor matrix is (4, 4) then.
 
     sigma0^2 = (sum of weights x squared standardised residuals) / dof, dof = sum of weights (+ 1 for a heading prior)
     - unknowns: observations that were given up count neither above nor below. From three degrees of freedom on it
@@ -58,11 +69,12 @@ def assess(network: Network, pose: FloatArray, weights: FloatArray, cofactor: Fl
     """
     a = jacobian(network, pose)
     sigma, v = effective_sigma(network, a), residuals(network, pose)
-    redundancy = redundancy_numbers(network, pose, weights, cofactor, damping)
+    design, gain = _design(network, a, cofactor), _gain(network, a, weights, cofactor, damping)
+    redundancy = np.clip(1.0 - np.sum(design * gain, axis=1), 0.0, 1.0)
     testable = redundancy > _NO_REDUNDANCY
     root = np.sqrt(np.where(testable, redundancy, 1.0))
     mdb = np.where(testable, sigma * DELTA0 / root, np.inf)
-    statistic, dof = _squared_sum(network, pose, weights, damping)
+    statistic, dof = _squared_sum(network, pose, weights, cofactor, damping, compass_rad)
     sigma0, scaling = _reference_deviation(statistic, dof)
     scale = sigma0**2 if scaling == "a_posteriori" else 1.0
     covariance = scale * cofactor
@@ -73,14 +85,14 @@ def assess(network: Network, pose: FloatArray, weights: FloatArray, cofactor: Fl
         standardized=np.where(testable, v / (sigma * root), 0.0),
         testable=testable,
         mdb=mdb,
-        external_m=_external(network, pose, weights, cofactor, damping, mdb),
+        external_m=np.where(testable, np.hypot(gain[:, 0], gain[:, 1]) * np.where(testable, mdb, 0.0), np.inf),
         sigma0=sigma0,
         dof=dof,
         scaling=scaling,
         covariance=covariance,
         cofactor=cofactor,
         global_test=global_test(statistic, dof),
-        prior_standardized=_prior_standardized(network, pose, cofactor),
+        prior_standardized=_prior_standardized(network, pose, cofactor, compass_rad),
         r95_m=radius_of_probability(covariance[:2, :2], 0.95, dof=dof if scaling == "a_posteriori" else None),
     )
 
@@ -93,33 +105,43 @@ def redundancy_numbers(
     P are the weights of this solution; an observation that was given up has r = 1. Their sum, with that of a heading
     prior, is observations minus unknowns.
     """
-    u = network.unknowns
-    effect = _gain(network, pose, weights, cofactor, damping)
-    return np.asarray(np.clip(1.0 - np.sum(jacobian(network, pose)[:, :u] * effect, axis=1), 0.0, 1.0))
+    a = jacobian(network, pose)
+    effect = _gain(network, a, weights, cofactor, damping)
+    return np.asarray(np.clip(1.0 - np.sum(_design(network, a, cofactor) * effect, axis=1), 0.0, 1.0))
+
+
+def _design(network: Network, jacobian_: FloatArray, cofactor: FloatArray) -> FloatArray:
+    """Return the design matrix (m, u) for the unknowns of the cofactor matrix; a fourth one is the compass error."""
+    u = len(cofactor)
+    if u <= 3:
+        return jacobian_[:, :u]
+    return np.column_stack([jacobian_, -1.0 * (network.kind == TRUE_BEARING)])
 
 
 def _gain(
-    network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping
+    network: Network, jacobian_: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping
 ) -> FloatArray:
     """Return (m, u): how much each unknown moves per unit of each observation, P A Q."""
-    u, a = network.unknowns, jacobian(network, pose)
-    factor = whitener(network, a, damping)
-    _, a_white = whitened(network, pose, damping)
-    p_a = np.stack([back_to_units(network, factor, weights * a_white[:, i]) for i in range(u)], axis=1)
+    factor = whitener(network, jacobian_, damping)
+    a_white = whiten(network, factor, _design(network, jacobian_, cofactor))
+    p_a = np.stack([back_to_units(network, factor, weights * column) for column in a_white.T], axis=1)
     return np.asarray(p_a @ cofactor)
 
 
-def _external(
-    network: Network, pose: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping, mdb: FloatArray
-) -> FloatArray:
-    lever = np.hypot(*_gain(network, pose, weights, cofactor, damping)[:, :2].T)
-    return np.asarray(np.where(np.isfinite(mdb), lever * np.where(np.isfinite(mdb), mdb, 0.0), np.inf))
-
-
-def _squared_sum(network: Network, pose: FloatArray, weights: FloatArray, damping: Damping) -> tuple[float, float]:
+def _squared_sum(
+    network: Network,
+    pose: FloatArray,
+    weights: FloatArray,
+    cofactor: FloatArray,
+    damping: Damping,
+    compass_rad: tuple[float, float | None] | None,
+) -> tuple[float, float]:
     v_white, _ = whitened(network, pose, damping)
     statistic = float(weights @ v_white**2) + float(prior_residual(network, pose)) ** 2
-    return statistic, float(weights.sum()) + float(network.prior_counts) - network.unknowns
+    dof = float(weights.sum()) + float(network.prior_counts) - len(cofactor)
+    if compass_rad is not None and compass_rad[1] is not None:
+        return statistic + (compass_rad[0] / compass_rad[1]) ** 2, dof + 1.0
+    return statistic, dof
 
 
 def _reference_deviation(statistic: float, dof: float) -> tuple[float, CovarianceScaling]:
@@ -128,11 +150,17 @@ def _reference_deviation(statistic: float, dof: float) -> tuple[float, Covarianc
     return sigma0, "a_posteriori" if enough else "a_priori"
 
 
-def _prior_standardized(network: Network, pose: FloatArray, cofactor: FloatArray) -> float:
-    if not network.prior_counts or network.heading_prior_rad is None:
-        return 0.0
-    redundancy = 1.0 - float(cofactor[2, 2]) / network.heading_prior_rad[1] ** 2
-    return float(prior_residual(network, pose)) / math.sqrt(redundancy) if redundancy > _NO_REDUNDANCY else 0.0
+def _prior_standardized(
+    network: Network, pose: FloatArray, cofactor: FloatArray, compass_rad: tuple[float, float | None] | None
+) -> float:
+    """Return the standardised residual of the heading's prior, or of the compass's where it is the larger; else 0."""
+    priors = []
+    if network.prior_counts and network.heading_prior_rad is not None:
+        priors.append((float(prior_residual(network, pose)), network.heading_prior_rad[1], float(cofactor[2, 2])))
+    if compass_rad is not None and compass_rad[1] is not None:
+        priors.append((compass_rad[0] / compass_rad[1], compass_rad[1], float(cofactor[3, 3])))
+    found = [z / math.sqrt(r) for z, sigma, q in priors if (r := 1.0 - q / sigma**2) > _NO_REDUNDANCY]
+    return max(found, key=abs, default=0.0)
 
 
 def global_test(statistic: float, dof: float, *, significance: float = GLOBAL_SIGNIFICANCE) -> GlobalTest:

@@ -32,7 +32,7 @@ ELLIPSE_PROBABILITIES = (0.95, 0.99)
 _FIX_KEYS = (
     "position", "heading_deg", "heading_reference", "covariance", "cofactor_matrix", "covariance_scaling", "ellipses",
     "sigma0", "redundancy", "kernel", "global_test", "observations", "pairs", "unmatched_targets", "unmatched_marks",
-    "ambiguity", "integrity",
+    "ambiguity", "integrity", "compass_error_deg", "compass_error_sigma_deg",
 )  # fmt: skip
 
 
@@ -89,6 +89,8 @@ def fix_to_dict(fix: Fix) -> dict[str, Any]:
         **_pairing(epoch, association),
         "ambiguity": ambiguity_to_dict(association, fix.alternatives),
         "integrity": integrity_to_dict(fix.integrity),
+        "compass_error_deg": plain(fix.compass_error_deg),
+        "compass_error_sigma_deg": plain(fix.compass_error_sigma_deg),
         "notes": [*(() if association is None else association.notes), *fix.notes],
     }
 
