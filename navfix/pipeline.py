@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterable, Iterator
 from datetime import datetime
@@ -9,18 +10,19 @@ from datetime import datetime
 from navfix.adjustment import adjust, mean_fix
 from navfix.association import associate
 from navfix.catalog import RadarModel
-from navfix.errors import NoFix
+from navfix.errors import InputError, NoFix
 from navfix.integrity import gnss_verdict
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
 from navfix.report.answer import Answer
-from navfix.types import Epoch, Fix, Mark
+from navfix.types import Association, Epoch, Fix, Mark, MeanFix
 from navfix.units import wrap_180
 
 __all__ = ["answer", "epochs", "fix"]
 
 GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
+TRUE_BEARINGS_OFF_DEG = 2.0  # the alignment of a radar that shows true bearings is in it as well
 
 
 def fix(
@@ -67,40 +69,71 @@ def answer(
 
     No fix is an answer too: it is in ``error``, nothing is raised.
     """
-    clock = _Clock()
+    clock = _Clock(epoch.build_ms)
+    step = "associate"
+    cautions: tuple[str, ...] = ()
     try:
         association = associate(epoch, method=method, radar=radar)
-        clock.lap("associate")
+        clock.lap(step)
+        step, cautions = "adjust", _cautions(association, epoch)
         found = adjust(epoch, association, radar=radar, kernel=kernel)
-        clock.lap("adjust")
+        clock.lap(step)
     except NoFix as error:
-        return Answer(epoch=epoch, error=error, timing_ms=clock.laps_ms)
+        clock.lap(step)
+        return Answer(epoch=epoch, error=error, timing_ms=clock.laps_ms, cautions=cautions)
     return Answer(
         epoch=epoch,
         fix=found,
-        plain_mean=mean_fix(epoch, association),
+        plain_mean=_plain_mean(epoch, association),
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=clock.laps_ms,
         notes=_notes(found, epoch),
+        cautions=cautions,
     )
 
 
+def _plain_mean(epoch: Epoch, association: Association) -> MeanFix | None:
+    """Return the plain-mean fix, None where its method fails (within miles of a pole): the fix stands without it."""
+    try:
+        return mean_fix(epoch, association)
+    except (NoFix, InputError):
+        return None
+
+
+def _cautions(association: Association, epoch: Epoch) -> tuple[str, ...]:
+    """Return what the reader must not miss: a compass that the echoes refute."""
+    hint, found_deg = epoch.heading_hint, association.heading_deg
+    if found_deg is None or association.covariance is None:
+        return ()
+    references = {epoch.targets[int(target)].bearing_reference for target in association.pairs[:, 0]}
+    if references == {"true"}:
+        off_deg, sigma_deg = -wrap_180(found_deg), math.degrees(math.sqrt(association.covariance[2, 2]))
+        if abs(off_deg) > TRUE_BEARINGS_OFF_DEG + 3.0 * sigma_deg:
+            return (f"Check the compass: the true bearings of the radar are {off_deg:+.1f} deg off.",)
+    elif references == {"relative"} and hint is not None:
+        off_deg = wrap_180(hint.heading_deg - found_deg)
+        if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
+            told = f"the heading in the log, {hint.heading_deg:.1f} deg"
+            return (f"Check the compass: {told}, is {off_deg:+.1f} deg off.",)
+    return ()
+
+
 def _notes(found: Fix, epoch: Epoch) -> tuple[str, ...]:
-    """Return what the reader must know beside the numbers."""
+    """Return what the reader may want to know beside the numbers."""
     hint = epoch.heading_hint
     if hint is None or found.heading_deg is None:
         return ()
     off_deg = wrap_180(hint.heading_deg - found.heading_deg)
-    if abs(off_deg) <= GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
-        return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
-    return (f"CHECK THE COMPASS: the heading in the log, {hint.heading_deg:.1f} deg, is {off_deg:+.1f} deg off.",)
+    if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
+        return ()  # a caution
+    return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
 
 
 class _Clock:
     """Milliseconds by step."""
 
-    def __init__(self) -> None:
-        self.laps_ms: dict[str, float] = {}
+    def __init__(self, epoch_ms: float | None) -> None:
+        self.laps_ms: dict[str, float] = {} if epoch_ms is None else {"epoch": epoch_ms}
         self._began = time.perf_counter()
 
     def lap(self, step: str) -> None:

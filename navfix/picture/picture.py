@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
 
@@ -58,6 +59,7 @@ class Picture:
 
     def epoch(self, scan: Scan) -> Epoch:
         """Reduce everything to the instant of a scan."""
+        began_s = time.perf_counter()
         marks, left_out = self._traffic.marks(scan.time_s)
         return Epoch(
             time_utc=datetime.fromtimestamp(scan.time_s, UTC),
@@ -66,6 +68,7 @@ class Picture:
             heading_hint=self._heading_hint(scan.time_s),
             gnss=self._gnss_report(scan.time_s),
             left_out=tuple(sorted(left_out.items())),
+            build_ms=round(1e3 * (time.perf_counter() - began_s), 3),
         )
 
     def _heading_hint(self, at_s: float) -> HeadingHint | None:

@@ -29,7 +29,7 @@ class Answer:
     """The fix of one epoch with everything that stands beside it, or the reason why there is none.
 
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
-    "adjust"). ``notes`` are sentences for the reader of the report.
+    "adjust"). ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
 
     Raises
     ------
@@ -44,6 +44,7 @@ class Answer:
     timing_ms: Mapping[str, float] = field(default_factory=dict)
     truth: Truth | None = None
     notes: tuple[str, ...] = ()
+    cautions: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):
@@ -51,6 +52,7 @@ class Answer:
                 "an answer is either a fix or the error that says why there is none: give exactly one of them"
             )
         object.__setattr__(self, "notes", tuple(self.notes))
+        object.__setattr__(self, "cautions", tuple(self.cautions))
 
     @property
     def time_utc(self) -> datetime | None:

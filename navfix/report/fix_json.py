@@ -51,7 +51,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "truth": truth_to_dict(answer.truth),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
-        "notes": [*body["notes"], *answer.notes],
+        "notes": [*body["notes"], *answer.cautions, *answer.notes],
     }
 
 

@@ -38,6 +38,7 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
     yield _title("FIX", answer, _counts(answer.epoch, len(rows)))
     yield ""
     yield from _pose(fix)
+    yield from _cautions(answer)
     yield from _certainty(fix)
     yield from _beside(answer, fix)
     yield from _named_outliers(fix, rows)
@@ -66,6 +67,11 @@ def _pose(fix: Fix) -> Iterator[str]:
         level = fix.integrity.protection_level_m
         beyond = "" if level is None else f"   protection level {_metres(level)}{_false_alarm(fix)}"
         yield from _entry("R95", _metres(fix.integrity.r95_m) + beyond)
+
+
+def _cautions(answer: Answer) -> Iterator[str]:
+    for caution in answer.cautions:
+        yield from _entry("CAUTION", caution)
 
 
 def _heading_spread(fix: Fix) -> str:
@@ -105,7 +111,8 @@ def _certainty(fix: Fix) -> Iterator[str]:
         yield from _entry(
             "Second group",
             f"{words.plural(len(group.targets), 'target')} ({', '.join(group.targets)}) agree on AIS positions shifted "
-            f"by {words.distance(group.offset_m)} along {words.direction(group.azimuth_deg)}: AIS there may be spoofed",
+            f"by {words.distance(group.offset_m)} along {words.direction(group.azimuth_deg)} from those of the fix: "
+            "one of the two groups may be spoofed. If it is that of the fix, own ship lies as far off, the same way",
         )
 
 
@@ -221,6 +228,7 @@ def no_fix_lines(answer: Answer) -> Iterator[str]:
     yield ""
     yield from _entry("Because", words.REASONS.get(error.reason, error.reason.replace("_", " ")))
     yield from _entry("", str(error))
+    yield from _cautions(answer)
     yield from _entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
     yield from _evidence(error)
     if answer.gnss is not None:
