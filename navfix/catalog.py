@@ -25,8 +25,11 @@ class RadarModel:
     """What one class of radar measures, 1 sigma; IMO's figures are 95 % and were divided by 1.96.
 
     The sigma of a range is the larger of ``range_sigma_m`` and ``range_sigma_fraction`` x range. Rounding of the
-    sentences comes on top when targets are read. ``compass_sigma_deg`` is that of the error common to all true bearings:
-    the compass that turned them and the alignment of the radar.
+    sentences comes on top when targets are read. ``compass_sigma_deg`` is that of the error common to all true
+    bearings: the compass that turned them and the alignment of the radar.
+
+    How a radar is mounted may be said in its file too: its antenna forward and starboard of the ship's reference point
+    [m], and the direction of its zero mark from the bow, clockwise, with its 1 sigma [deg] (None: not known).
     """
 
     name: str
@@ -38,6 +41,10 @@ class RadarModel:
     maximum_range_m: float
     turn_s: float
     compass_sigma_deg: float = 1.5
+    antenna_forward_m: float = 0.0
+    antenna_starboard_m: float = 0.0
+    alignment_deg: float | None = None
+    alignment_sigma_deg: float = 0.0
 
     def sigma_of_range_m(self, range_m: ArrayLike) -> FloatArray:
         """Return 1 sigma [m] of each range [m]."""
@@ -98,6 +105,8 @@ class AssociationModel:
     distinct_m: float
     distinct_deg: float
     distinct_sigma: float
+    widest_pose_m: float
+    widest_pose_deg: float
     hint_wrong_share: float
     compass_sigma_deg: float
     alignment_sigma_deg: float

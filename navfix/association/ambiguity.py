@@ -27,8 +27,13 @@ def distinct(judged: Judged, model: AssociationModel) -> Judged:
 
 def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np.bool_]:
     """Tell which poses (k,) are the same optimum as ``row``: near in metres and degrees, or within its own sigmas."""
-    offset = judged.poses.p - judged.poses.p[row]
-    turn_rad = wrap_pi(judged.poses.heading_rad - judged.poses.heading_rad[row])
+    return same_as(judged, row, judged, model)
+
+
+def same_as(judged: Judged, row: int, others: Judged, model: AssociationModel) -> NDArray[np.bool_]:
+    """Tell which of the ``others`` (k,) are the same optimum as a ``row`` of ``judged``."""
+    offset = others.poses.p - judged.poses.p[row]
+    turn_rad = wrap_pi(others.poses.heading_rad - judged.poses.heading_rad[row])
     near = (np.abs(offset) <= model.distinct_m) & (np.abs(turn_rad) <= np.radians(model.distinct_deg))
     step = np.stack([offset.real, offset.imag, turn_rad], axis=1)
     mahalanobis_sq = np.einsum("ki,ij,kj->k", step, judged.information[row], step)

@@ -39,9 +39,9 @@ SCENES = {
 
 
 def is_right(made: MadeScene, position: Position, heading_deg: float) -> bool:
-    """Within 2 deg and three sigma of the bound (300 m at least) of the truth."""
-    bound_m = 300.0 if made.crlb is None else max(300.0, 3.0 * math.sqrt(np.trace(made.crlb[:2, :2])))
-    bound_deg = 2.0 if made.crlb is None else max(2.0, 3.0 * math.degrees(math.sqrt(made.crlb[2, 2])))
+    """The same place as the truth: within 300 m and 2 deg, or within five sigma of the bound."""
+    bound_m = 300.0 if made.crlb is None else max(300.0, 5.0 * math.sqrt(np.trace(made.crlb[:2, :2])))
+    bound_deg = 2.0 if made.crlb is None else max(2.0, 5.0 * math.degrees(math.sqrt(made.crlb[2, 2])))
     return inverse(position, made.position)[0] <= bound_m and abs(wrap_180(heading_deg - made.heading_deg)) <= bound_deg
 
 
