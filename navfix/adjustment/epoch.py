@@ -36,7 +36,7 @@ def adjust(
     range_sigma_m: float | None = None,
     bearing_sigma_deg: float | None = None,
     compass_sigma_deg: float | None = None,
-    radar_antenna_m: Offset = (0.0, 0.0),
+    radar_antenna_m: Offset | None = None,
     alignment: Alignment | tuple[float, float] | None = None,
     mask: ArrayLike | None = None,
     start: tuple[Position, float | None] | None = None,
@@ -60,10 +60,11 @@ def adjust(
     heading_prior : heading of a compass with its sigma, an observation like the others; its standardised residual is
         judged in the notes of the fix
     compass_sigma_deg : 1 sigma of the error common to all true bearings; None: the radar model's; 0 holds it at zero
-    radar_antenna_m : forward and starboard of the ship's reference point; the position is that of the reference point
-        (with all bearings true the heading hint of the epoch turns the offset; without one the antenna's place stays)
-    alignment : direction of the radar's zero mark from the bow, clockwise, and its sigma [deg]; the heading is the
-        bow's then (``heading_reference`` "bow"), the zero mark's without it
+    radar_antenna_m : forward and starboard of the ship's reference point, None: the radar model's; the position is
+        that of the reference point (with all bearings true the heading hint of the epoch turns the offset; without one
+        the antenna's place stays)
+    alignment : direction of the radar's zero mark from the bow, clockwise, and its sigma [deg], None: the radar
+        model's; the heading is the bow's then (``heading_reference`` "bow"), the zero mark's where it is not known
     mask : (k,) or (k, 2) for (range, bearing): which observations take part
     start : position, and heading [deg] or None (then the one that most targets agree on there); the minimum reached
         from it is the fix and other minima are only listed
@@ -84,7 +85,7 @@ def adjust(
     Knopp, thesis, 4.3; Gdynia stand (Czaplewski et al.), eq. 14-17; Huber, Robust Statistics, 1981.
     """
     model, damper = radar_model(radar), kernel_of(kernel)
-    mounting = _Mounting.of(radar_antenna_m, alignment)
+    mounting = _Mounting.of(model, radar_antenna_m, alignment)
     pairs = pairs_of(epoch, association)
     problem = problem_of(
         pairs,
@@ -127,7 +128,14 @@ class _Mounting:
     alignment: Alignment | None
 
     @classmethod
-    def of(cls, offset_m: Offset, alignment: Alignment | tuple[float, float] | None) -> _Mounting:
+    def of(
+        cls, radar: RadarModel, offset_m: Offset | None, alignment: Alignment | tuple[float, float] | None
+    ) -> _Mounting:
+        """Return what the options say, else what the model of the radar says."""
+        if offset_m is None:
+            offset_m = (radar.antenna_forward_m, radar.antenna_starboard_m)
+        if alignment is None and radar.alignment_deg is not None:
+            alignment = (radar.alignment_deg, radar.alignment_sigma_deg)
         given = Alignment(*alignment) if isinstance(alignment, tuple) else alignment
         return cls(checked_offset(offset_m, "radar_antenna_m"), given)
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
-from navfix.types import Fix, FloatArray, Position
+from navfix.types import Fix, FloatArray, GnssReport
 
 Offset = tuple[float, float]
 
@@ -60,26 +60,25 @@ def moved_covariance(covariance: FloatArray, by_heading: FloatArray, sign: float
     return np.asarray(jacobian @ covariance @ jacobian.T)
 
 
-def antenna_of(fix: Fix, offset_m: Offset, *, heading_deg: float | None = None) -> tuple[Position, FloatArray]:
-    """Return where an antenna is by the fix, and the covariance (2, 2) of that: for the comparison with its GNSS.
+def gnss_at_reference_point(gnss: GnssReport, antenna_m: Offset, fix: Fix) -> GnssReport:
+    """Return own GNSS as it would be at the ship's reference point, its antenna ``antenna_m`` (forward, starboard) off.
 
-    Parameters
-    ----------
-    offset_m : forward and starboard of the ship's reference point
-    heading_deg : needed where the fix has none (all bearings true); then taken as exact
+    The heading is that of the fix, else the heading hint of its epoch. The heading's sigma adds to that of the GNSS;
+    without any heading the antenna's whole distance does.
 
     Raises
     ------
-    InputError : an impossible offset, no heading anywhere, a fix in a plane frame
+    InputError : not two finite numbers
     """
-    offset = checked_offset(offset_m, "the antenna's offset")
-    turn_deg = fix.heading_deg if fix.heading_deg is not None else heading_deg
-    if not isinstance(fix.position, Position):
-        raise InputError("an antenna's place needs a fix on the ellipsoid, got one in a plane frame")
-    if turn_deg is None:
-        raise InputError("an antenna's place needs a heading: the fix has none, give heading_deg")
-    away, by_heading = swung(offset, math.radians(turn_deg))
-    place = LocalPlane(fix.position).to_position(float(away[0]), float(away[1]))
-    if fix.heading_deg is None:
-        return place, np.array(fix.covariance[:2, :2])
-    return place, moved_covariance(fix.covariance, by_heading, 1.0)[:2, :2]
+    offset = checked_offset(antenna_m, "gnss antenna")
+    reach_m = math.hypot(*offset)
+    hint = None if fix.epoch is None else fix.epoch.heading_hint
+    if fix.heading_deg is not None:
+        heading_deg, sigma_rad = fix.heading_deg, math.sqrt(float(fix.covariance[2, 2]))
+    elif hint is not None:
+        heading_deg, sigma_rad = hint.heading_deg, math.radians(hint.sigma_deg)
+    else:
+        return replace(gnss, sigma_m=math.hypot(gnss.sigma_m, reach_m))
+    north_m, east_m = (-swung(offset, math.radians(heading_deg))[0]).tolist()
+    position = LocalPlane(gnss.position).to_position(north_m, east_m)
+    return replace(gnss, position=position, sigma_m=math.hypot(gnss.sigma_m, reach_m * min(sigma_rad, 1.0)))

@@ -47,6 +47,14 @@ def not_negative(text: str) -> float:
     return number
 
 
+def two_numbers(text: str) -> tuple[float, float]:
+    """Return two finite numbers separated by a comma."""
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise argparse.ArgumentTypeError(f"must be two numbers like 12.5,-3, got {text!r}")
+    return _number(parts[0]), _number(parts[1])
+
+
 def _number(text: str) -> float:
     try:
         number = float(text)
@@ -98,6 +106,32 @@ def add_estimation(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--bearing-sigma", metavar="DEG", type=positive, help="1 sigma of a radar bearing [deg], replaces the model's"
+    )
+    _add_mounting(parser)
+
+
+def _add_mounting(parser: argparse.ArgumentParser) -> None:
+    """Add --compass-sigma, --radar-antenna, --gnss-antenna, --alignment: how the instruments stand on the ship."""
+    group = parser.add_argument_group("installation")
+    group.add_argument(
+        "--compass-sigma",
+        metavar="DEG",
+        type=not_negative,
+        help="1 sigma of the error common to all true bearings [deg]; 0 holds it at zero (default: 1.5)",
+    )
+    for name in ("radar", "gnss"):
+        group.add_argument(
+            f"--{name}-antenna",
+            metavar="F,S",
+            type=two_numbers,
+            help=f"{name.upper() if name == 'gnss' else name} antenna forward,starboard of the ship's reference point [m]",
+        )
+    group.add_argument(
+        "--alignment",
+        metavar="DEG,SIGMA",
+        type=two_numbers,
+        help="direction of the radar's zero mark from the bow, clockwise, and its 1 sigma [deg]; "
+        "the heading is then the bow's",
     )
 
 
@@ -202,6 +236,28 @@ def radar(args: argparse.Namespace) -> RadarModel:
         model = replace(model, range_sigma_m=args.range_sigma, range_sigma_fraction=0.0)
     if args.bearing_sigma is not None:
         model = replace(model, bearing_sigma_deg=args.bearing_sigma)
+    return _mounted(model, args)
+
+
+def _mounted(model: RadarModel, args: argparse.Namespace) -> RadarModel:
+    """Return the radar as --compass-sigma, --radar-antenna and --alignment say that it is mounted.
+
+    Raises
+    ------
+    CommandError : an alignment with a negative sigma
+    """
+    from dataclasses import replace
+
+    if args.compass_sigma is not None:
+        model = replace(model, compass_sigma_deg=args.compass_sigma)
+    if args.radar_antenna is not None:
+        forward_m, starboard_m = args.radar_antenna
+        model = replace(model, antenna_forward_m=forward_m, antenna_starboard_m=starboard_m)
+    if args.alignment is not None:
+        offset_deg, sigma_deg = args.alignment
+        if sigma_deg < 0.0:
+            raise CommandError(f"--alignment: its sigma must be >= 0, got {sigma_deg:g}")
+        model = replace(model, alignment_deg=offset_deg, alignment_sigma_deg=sigma_deg)
     return model
 
 

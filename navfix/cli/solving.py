@@ -93,12 +93,25 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
     """Solve an epoch with the options of the command, and set the truth beside it."""
     from navfix import pipeline
 
-    answer = pipeline.answer(epoch, radar=options.radar(args), kernel=args.kernel)
+    answer = _at_reference_point(pipeline.answer(epoch, radar=options.radar(args), kernel=args.kernel), args)
     if track is None:
         return answer
     from navfix.report.truth import with_truth
 
     return with_truth(answer, track)
+
+
+def _at_reference_point(answer: Answer, args: argparse.Namespace) -> Answer:
+    """Judge the GNSS once more at the ship's reference point where --gnss-antenna says how far off its antenna is."""
+    if args.gnss_antenna is None or answer.fix is None or answer.epoch is None or answer.epoch.gnss is None:
+        return answer
+    from dataclasses import replace
+
+    from navfix.adjustment.lever_arm import gnss_at_reference_point
+    from navfix.integrity import gnss_verdict
+
+    moved = gnss_at_reference_point(answer.epoch.gnss, args.gnss_antenna, answer.fix)
+    return replace(answer, gnss=gnss_verdict(answer.fix, moved))
 
 
 def write(answer: Answer, args: argparse.Namespace) -> None:

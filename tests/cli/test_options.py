@@ -160,3 +160,23 @@ def test_the_file_behind_standard_input_is_never_overwritten(tmp_path: Path, mon
             options.protect_inputs(_parser().parse_args(["-", "--out", str(log)]))
         options.protect_inputs(_parser().parse_args(["-", "--out", str(other)]))
         options.protect_inputs(_parser().parse_args(["elsewhere.nmea", "--out", str(log)]))
+
+
+def test_the_mounting_of_the_radar_goes_into_its_model() -> None:
+    args = _parse("--radar-antenna", "20,-3.5", "--alignment", "1.5,0.3", "--compass-sigma", "0.8")
+    model = options.radar(args)
+    assert (model.antenna_forward_m, model.antenna_starboard_m) == (20.0, -3.5)
+    assert (model.alignment_deg, model.alignment_sigma_deg, model.compass_sigma_deg) == (1.5, 0.3, 0.8)
+    assert options.radar(_parse()) == radar_model("imo")
+    assert _parse("--gnss-antenna=-4,0").gnss_antenna == (-4.0, 0.0)
+
+
+@pytest.mark.parametrize("value", ["20", "20,x", "1,2,3", "nan,1"])
+def test_an_offset_is_two_finite_numbers(value: str) -> None:
+    with pytest.raises(argparse.ArgumentError):
+        _parse("--radar-antenna", value)
+
+
+def test_an_alignment_with_a_negative_sigma_is_refused() -> None:
+    with pytest.raises(CommandError, match="alignment"):
+        options.radar(_parse("--alignment", "1,-1"))
