@@ -25,6 +25,10 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         radar="imo",
         range_sigma=None,
         bearing_sigma=None,
+        compass_sigma=None,
+        radar_antenna=None,
+        gnss_antenna=None,
+        alignment=None,
         no_prior=True,
         heading_from="none",
     )

@@ -119,12 +119,12 @@ def _add_mounting(parser: argparse.ArgumentParser) -> None:
         type=not_negative,
         help="1 sigma of the error common to all true bearings [deg]; 0 holds it at zero (default: 1.5)",
     )
-    for name in ("radar", "gnss"):
+    for name, antenna in (("radar", "radar antenna"), ("gnss", "antenna of own GNSS")):
         group.add_argument(
             f"--{name}-antenna",
             metavar="F,S",
             type=two_numbers,
-            help=f"{name.upper() if name == 'gnss' else name} antenna forward,starboard of the ship's reference point [m]",
+            help=f"{antenna} forward,starboard of the ship's reference point [m] (aft: --{name}-antenna=-12,3)",
         )
     group.add_argument(
         "--alignment",
