@@ -28,7 +28,11 @@ def _factories() -> ModuleType:
 
 
 FACTORIES = _factories()
-ANSWERS = {**FACTORIES.every_fix(), **FACTORIES.every_no_fix()}
+ANSWERS = {
+    **FACTORIES.every_fix(),
+    **FACTORIES.every_no_fix(),
+    "caution": FACTORIES.make_answer(cautions=("Check the compass.",)),
+}
 
 
 def _page(name: str) -> str:
