@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from datetime import datetime
 
 from navfix.adjustment import adjust, mean_fix
 from navfix.association import associate
-from navfix.catalog import RadarModel
+from navfix.catalog import AssociationModel, CpdModel, RadarModel
 from navfix.errors import InputError, NoFix
-from navfix.integrity import gnss_verdict
+from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
@@ -19,14 +20,16 @@ from navfix.report.answer import Answer
 from navfix.types import Association, Epoch, Fix, Mark, MeanFix
 from navfix.units import wrap_180
 
-__all__ = ["answer", "epochs", "fix"]
+__all__ = ["answer", "epochs", "fix", "watched"]
+
+Method = str | AssociationModel | CpdModel
 
 GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
 TRUE_BEARINGS_OFF_DEG = 2.0  # the alignment of a radar that shows true bearings is in it as well
 
 
 def fix(
-    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded"
+    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: Method = "seeded"
 ) -> Fix:
     """Find own position and heading from one epoch, with no idea of either beforehand.
 
@@ -46,8 +49,7 @@ def fix(
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
     association = associate(epoch, method=method, radar=radar)
-    found: Fix = adjust(epoch, association, radar=radar, kernel=kernel)
-    return found
+    return with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
 
 
 def epochs(
@@ -63,20 +65,28 @@ def epochs(
 
 
 def answer(
-    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: str = "seeded"
+    epoch: Epoch,
+    *,
+    radar: RadarModel | str = "imo",
+    kernel: Kernel | str = "hampel",
+    method: Method = "seeded",
+    prove: bool = False,
+    association: Association | None = None,
 ) -> Answer:
     """Solve an epoch as `fix` does and set beside it the plain-mean fix, the GNSS verdict and the time that it took.
 
-    No fix is an answer too: it is in ``error``, nothing is raised.
+    No fix is an answer too: it is in ``error``, nothing is raised. Pairs by hand are given as ``association``; with
+    ``prove`` every other place is excluded by an exhaustive search.
     """
     clock = _Clock(epoch.build_ms)
     step = "associate"
     cautions: tuple[str, ...] = ()
     try:
-        association = associate(epoch, method=method, radar=radar)
+        if association is None:
+            association = associate(epoch, method=method, radar=radar, prove=prove)
         clock.lap(step)
         step, cautions = "adjust", _cautions(association, epoch)
-        found = adjust(epoch, association, radar=radar, kernel=kernel)
+        found = with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
         clock.lap(step)
     except NoFix as error:
         clock.lap(step)
@@ -87,9 +97,19 @@ def answer(
         plain_mean=_plain_mean(epoch, association),
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=clock.laps_ms,
-        notes=_notes(found, epoch),
+        notes=(*_notes(found, epoch), *association.notes),
         cautions=cautions,
     )
+
+
+def watched(answered: Answer, monitor: GnssMonitor) -> Answer:
+    """Return the answer with the GNSS verdict that lasts over the epochs fed to ``monitor``, in their order."""
+    epoch, gnss = answered.epoch, answered.gnss
+    report = None if epoch is None else epoch.gnss
+    if report is not None and gnss is not None:
+        report = replace(report, position=gnss.position)  # carried to the ship's reference point, where that is known
+    at = None if epoch is None else epoch.time_utc
+    return replace(answered, gnss=monitor.feed(answered.fix, report, at))
 
 
 def _plain_mean(epoch: Epoch, association: Association) -> MeanFix | None:

@@ -1,12 +1,16 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone."""
+"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone, the GNSS verdict lasting."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from typing import TYPE_CHECKING
 
 from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
+
+if TYPE_CHECKING:
+    from navfix.types import Epoch
 
 SUFFIXES = (".json",)
 
@@ -28,16 +32,19 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Solve scan by scan; a line as soon as it is known."""
     from navfix import pipeline
+    from navfix.integrity import GnssMonitor
     from navfix.report.writers import render
 
     solving.refuse(args, ["chart", "window"])
     track = solving.truth_track(args)
     log = solving.read(args.log)
-    lines, fixes, known = [], 0, 0
+    lines, fixes, known, monitor = [], 0, 0, GnssMonitor()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
         if count % args.every:
             continue
-        answer = solving.solve(solving.without_hints(epoch, args), args, track)
+        answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
+        if answer.gnss is not None and answer.gnss.alert:
+            print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
         fixes += answer.fix is not None
         known += answer.truth is not None
         lines.append(render(answer, ".json").strip())
@@ -48,6 +55,10 @@ def run(args: argparse.Namespace) -> int:
     truths = "" if track is None else f", {known} of them with a truth"
     print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
     return OK if fixes else NO_FIX
+
+
+def _clock(epoch: Epoch) -> str:
+    return "" if epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
 
 
 def _count(text: str) -> int:

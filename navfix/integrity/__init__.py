@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from navfix.integrity.gnss import gnss_verdict
+from navfix.integrity.monitor import GnssMonitor
 from navfix.integrity.protection import with_integrity
 
-__all__ = ["gnss_verdict", "with_integrity"]
+__all__ = ["GnssMonitor", "gnss_verdict", "with_integrity"]

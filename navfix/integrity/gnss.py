@@ -9,12 +9,14 @@ import numpy as np
 
 from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
+from navfix.integrity.area_shift import area_shift
+from navfix.integrity.noncentral import noncentrality, squared_radius
 from navfix.types import Fix, FloatArray, GnssReport, GnssVerdict, Position, Verdict
 
 PROBABILITY_OF_FALSE_ALARM = 1e-3
 PROBABILITY_OF_MISSED_DETECTION = 1e-3
 CAUTION_PROBABILITY = 0.05  # a difference that only this share of good receivers would show deserves a look
-_LARGEST_NONCENTRALITY = 9999.0  # scipy's search ends at 1e4
+ONE_INSTANT = "not checked: a slow drift below these limits; this is one instant"
 
 
 def gnss_verdict(
@@ -51,14 +53,19 @@ def gnss_verdict(
     """
     _check(gnss, probability_of_false_alarm, probability_of_missed_detection)
     comparison = _compare(fix, gnss)
-    threshold = _squared_radius(probability_of_false_alarm, comparison.dof)
+    threshold = squared_radius(probability_of_false_alarm, comparison.dof)
     threshold_m = comparison.metres(threshold)
-    noncentrality = _noncentrality(threshold, comparison.dof, probability_of_missed_detection)
-    smallest_m = math.sqrt(noncentrality) * comparison.worst_sigma_m
+    needed = noncentrality(threshold, comparison.dof, probability_of_missed_detection)
+    smallest_m = math.sqrt(needed) * comparison.worst_sigma_m
     beyond_threshold = comparison.squared > threshold
-    beyond_caution = comparison.squared > _squared_radius(CAUTION_PROBABILITY, comparison.dof)
+    beyond_caution = comparison.squared > squared_radius(CAUTION_PROBABILITY, comparison.dof)
 
-    doubts = _doubts(fix)
+    area = area_shift(
+        fix,
+        probability_of_false_alarm=probability_of_false_alarm,
+        probability_of_missed_detection=probability_of_missed_detection,
+    )
+    doubts = (*_doubts(fix), *filter(None, (area.doubt,)))
     verdict, why = _decide(fix, beyond_threshold, beyond_caution, doubts, smallest_m, alert_limit_m)
     measured = (
         f"GNSS lies {comparison.distance_m:.0f} m from the fix towards {comparison.azimuth_deg:03.0f} deg; up to "
@@ -76,7 +83,7 @@ def gnss_verdict(
         verdict=verdict,
         threshold_m=threshold_m,
         smallest_detectable_m=smallest_m,
-        reasons=(measured, seen, *why, *doubts, *_not_checked(fix)),
+        reasons=(measured, seen, *why, *doubts, area.said, ONE_INSTANT),
     )
 
 
@@ -99,11 +106,21 @@ class _Comparison:
         return math.sqrt(squared) * self.sigma_along_m
 
 
-def _compare(fix: Fix, gnss: GnssReport) -> _Comparison:
+def difference(fix: Fix, gnss: GnssReport) -> tuple[FloatArray, FloatArray]:
+    """Return GNSS - fix [m], (2,) in north and east, and the covariance of both together (2, 2).
+
+    Raises
+    ------
+    InputError : a fix in a plane without a place on earth
+    """
     if not isinstance(fix.position, Position):
         raise InputError("a fix in a plane frame cannot be compared with GNSS: it has no place on earth")
-    difference_ne_m = LocalPlane(fix.position).to_plane(gnss.position)
     covariance: FloatArray = fix.covariance[:2, :2] + gnss.sigma_m**2 * np.eye(2)
+    return LocalPlane(fix.position).to_plane(gnss.position), covariance
+
+
+def _compare(fix: Fix, gnss: GnssReport) -> _Comparison:
+    difference_ne_m, covariance = difference(fix, gnss)
     variances, directions = np.linalg.eigh(covariance)
     distance_m = float(np.hypot(*difference_ne_m))
     along = difference_ne_m / distance_m if distance_m > 0.0 else directions[:, 1]
@@ -116,24 +133,6 @@ def _compare(fix: Fix, gnss: GnssReport) -> _Comparison:
         worst_sigma_m=math.sqrt(float(variances[1])),
         dof=fix.dof if fix.covariance_scaling == "a_posteriori" and fix.dof > 0.0 else None,
     )
-
-
-def _squared_radius(probability: float, dof: float | None) -> float:
-    """Return the squared Mahalanobis radius that a right difference passes with ``probability``.
-
-    Chi-square with 2 degrees of freedom: -2 ln p; twice the F quantile with (2, dof): dof (p^(-2/dof) - 1).
-    """
-    return -2.0 * math.log(probability) if dof is None else dof * math.expm1(-2.0 / dof * math.log(probability))
-
-
-def _noncentrality(threshold: float, dof: float | None, missed: float) -> float:
-    """Return the squared offset (in sigmas) that stays below ``threshold`` only with probability ``missed``."""
-    from scipy.special import chndtrinc, ncfdtrinc
-
-    if dof is None:
-        return float(chndtrinc(threshold, 2.0, missed))
-    noncentrality = float(ncfdtrinc(2.0, dof, missed, threshold / 2.0))
-    return noncentrality if noncentrality < _LARGEST_NONCENTRALITY else math.inf
 
 
 # ----------------------------------------------------------------------------------------- what follows, in words
@@ -177,24 +176,6 @@ def _doubts(fix: Fix) -> tuple[str, ...]:
             f"{group.azimuth_deg:03.0f} deg; some AIS positions may be shifted alike"
         )
     return tuple(doubts)
-
-
-def _not_checked(fix: Fix) -> tuple[str, ...]:
-    """Return what the comparison cannot see."""
-    kinds = {mark.label: mark.kind for mark in fix.epoch.marks} if fix.epoch is not None else {}
-    marks = {observation.mark for observation in fix.observations if observation.weight > 0.0}
-    charted = sum(kinds.get(label) == "charted" for label in marks)
-    if charted == 0:
-        shift = (
-            "not checked: an area-wide shift of all AIS positions alike moves the fix with it and cannot be seen from "
-            "AIS alone; no mark comes from a chart"
-        )
-    else:
-        shift = (
-            f"not checked: an area-wide shift of all AIS positions alike, beyond what the {charted} charted of "
-            f"{len(marks)} marks hold"
-        )
-    return (shift, "not checked: a slow drift below these limits; this is one instant")
 
 
 def _check(gnss: GnssReport, false_alarm: float, missed: float) -> None:

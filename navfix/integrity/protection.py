@@ -178,7 +178,8 @@ def blocks_of_fix(fix: Fix) -> Blocks:
         rows[k, filled[k]] = root * np.array(a)
         residual[k, filled[k]] = root * o.residual * unit
         filled[k] += 1
-    return _with_priors(rows, residual, labels, np.linalg.inv(fix.cofactor_matrix))
+    information = np.asarray(np.linalg.inv(fix.cofactor_matrix), np.float64)
+    return _with_priors(rows, residual, labels, information)
 
 
 def _with_priors(rows: FloatArray, residual: FloatArray, labels: tuple[str, ...], information: FloatArray) -> Blocks:

@@ -170,6 +170,8 @@ def integrity_to_dict(integrity: Integrity | None) -> dict[str, Any] | None:
         "protection_level_m": plain(integrity.protection_level_m),
         "probability_of_false_alarm": plain(integrity.probability_of_false_alarm),
         "probability_of_missed_detection": plain(integrity.probability_of_missed_detection),
+        "slope_level_m": plain(integrity.slope_level_m),
+        "reason": integrity.reason or None,
     }
 
 
@@ -251,6 +253,9 @@ def gnss_to_dict(gnss: GnssVerdict | None) -> dict[str, Any] | None:
         "threshold_m": plain(gnss.threshold_m),
         "smallest_detectable_m": plain(gnss.smallest_detectable_m),
         "reasons": list(gnss.reasons),
+        "instant_verdict": gnss.instant,
+        "alert": gnss.alert,
+        "drift_mps": plain(gnss.drift_mps),
     }
 
 

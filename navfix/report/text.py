@@ -67,6 +67,8 @@ def _pose(fix: Fix) -> Iterator[str]:
         level = fix.integrity.protection_level_m
         beyond = "" if level is None else f"   protection level {_metres(level)}{_false_alarm(fix)}"
         yield from _entry("R95", _metres(fix.integrity.r95_m) + beyond)
+        if level is None and fix.integrity.reason:
+            yield from _entry("", f"protection level not available: {fix.integrity.reason}")
 
 
 def _cautions(answer: Answer) -> Iterator[str]:

@@ -66,12 +66,24 @@ def test_a_set_of_marks_is_left_out_together() -> None:
 
 def test_the_record_of_a_fix_says_the_same_as_its_network() -> None:
     """The normal matrix put together from the record is the inverse of the cofactor matrix, outliers and all."""
-    for scene in ({}, {"wrong": 5}, {"bearing_reference": "true"}):
+    for scene in ({}, {"wrong": 5}):
         fix = fixed(**scene)
         blocks = blocks_of_fix(fix)
         normal = blocks.information.sum(axis=0) + blocks.prior
         assert np.linalg.inv(normal) == pytest.approx(fix.cofactor_matrix, rel=1e-6, abs=1e-12)
         assert np.all(blocks.prior == 0.0)
+
+
+@pytest.mark.parametrize("sigma_deg", [0.0, 0.3, 1.0])
+def test_the_error_that_all_true_bearings_share_is_an_unknown_with_its_prior(sigma_deg: float) -> None:
+    epoch, association = epoch_scene(np.random.default_rng(3), bearing_reference="true")
+    fix = adjust(epoch, association, compass_sigma_deg=sigma_deg)
+    blocks = blocks_of_fix(fix)
+    normal = blocks.information.sum(axis=0) + blocks.prior
+    assert np.linalg.inv(normal)[:2, :2] == pytest.approx(fix.cofactor_matrix, rel=1e-4)
+    assert len(normal) == (2 if sigma_deg == 0.0 else 3)
+    if sigma_deg > 0.0:
+        assert math.degrees(blocks.prior[2, 2] ** -0.5) == pytest.approx(sigma_deg, rel=0.02)
 
 
 def test_the_information_of_a_heading_prior_is_found_in_the_record() -> None:

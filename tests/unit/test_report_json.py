@@ -64,6 +64,8 @@ def test_a_fix_says_everything() -> None:
         "protection_level_m": 61.0,
         "probability_of_false_alarm": 1e-5,
         "probability_of_missed_detection": 1e-3,
+        "slope_level_m": None,
+        "reason": None,
     }
     assert content["timing_ms"] == {"epoch": 3.21, "associate": 41.0, "adjust": 6.5}
 
@@ -109,6 +111,7 @@ def test_gnss_and_plain_mean_stand_beside_the_fix() -> None:
     content = parsed(make_answer())
     assert set(content["gnss"]) == {
         "position", "distance_m", "verdict", "threshold_m", "smallest_detectable_m", "reasons",
+        "instant_verdict", "alert", "drift_mps",
     }  # fmt: skip
     assert content["gnss"]["verdict"] == "unsafe"
     assert {"position", "distance_m", "ellipse"} <= set(content["plain_mean"])
