@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
     from navfix.types import Epoch
+
+_logger = logging.getLogger(__name__)
 
 
 def read(path: str) -> Log:
@@ -51,6 +54,8 @@ def read(path: str) -> Log:
             NO_FIX,
         )
     report_problems(log)
+    if not log.time_known:
+        _logger.warning("%s: tells the time of day and no date: its first day is called 1970-01-01", log.name)
     return log
 
 

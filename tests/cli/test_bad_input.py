@@ -149,3 +149,12 @@ def test_a_format_that_the_command_cannot_write_is_refused_at_once(
     captured = capsys.readouterr()
     assert captured.out == ""
     assert "the suffix chooses the format" in captured.err
+
+
+def test_a_log_without_a_date_says_which_day_it_is_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    log = tmp_path / "log.nmea"
+    log.write_text("".join(f"{_sentence(s)}\n" for s in (TTM, AIS, TTM.replace("120000", "120003"))))
+    assert main(["fix", str(log)]) == 3
+    captured = capsys.readouterr()
+    assert "no date: its first day is called 1970-01-01" in captured.err
+    assert "1970-01-01 12:00:0" in captured.out
