@@ -12,6 +12,10 @@ from navfix.catalog import AssociationModel
 from navfix.types import IntArray
 from navfix.units import wrap_pi
 
+LATTICE_TURN_DEG = 5.0
+LATTICE_FEWEST = 3
+LATTICE_SPREAD = 0.2
+
 
 def distinct(judged: Judged, model: AssociationModel) -> Judged:
     """Keep the best of every group of poses that are the same answer (judged is sorted, best first)."""
@@ -60,6 +64,26 @@ def probability_wrong(evidence: float, ahead: float, model: AssociationModel) ->
     """Return the probability that an answer is wrong, never less than what the calibration can vouch for."""
     total = probability_of_accident(evidence, model) + probability_of_rival(ahead, model)
     return min(1.0, max(total, model.least_probability))
+
+
+def lattice(answers: Judged, rows: IntArray) -> complex | None:
+    """Return the step (north + 1j east) [m] between answers that lie in a regular row, None where they do not.
+
+    A regular row of marks fits at every shift by its spacing: the answers with the best one's heading are then one step
+    apart from their neighbours.
+    """
+    turn_rad = wrap_pi(answers.poses.heading_rad[rows] - answers.poses.heading_rad[rows[0]])
+    places = answers.poses.p[rows[np.abs(turn_rad) < np.radians(LATTICE_TURN_DEG)]]
+    if len(places) < LATTICE_FEWEST:
+        return None
+    offset = places[None, :] - places[:, None] + np.where(np.eye(len(places), dtype=bool), np.inf, 0.0)
+    steps = offset[np.arange(len(places)), np.argmin(np.abs(offset), axis=1)]
+    axis = np.sqrt(np.mean(steps**2 / np.abs(steps) ** 2))  # squared: a step forward and one back are the same
+    along = steps * np.conj(axis / np.abs(axis))
+    step_m = float(np.median(np.abs(along.real)))
+    regular = np.abs(np.abs(along.real) - step_m) < LATTICE_SPREAD * step_m
+    regular &= np.abs(along.imag) < LATTICE_SPREAD * step_m
+    return complex(step_m * axis / np.abs(axis)) if np.mean(regular) >= 0.6 else None
 
 
 def contenders(judged: Judged, within: float) -> IntArray:

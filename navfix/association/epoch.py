@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from navfix.association import ambiguity, pairs, second_group, seeded, source_method
+from navfix.association import ambiguity, pairs, proof, second_group, seeded, source_method
 from navfix.association import scene as scenes
+from navfix.association.evidence import Judged
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
 from navfix.catalog import (
@@ -27,7 +28,11 @@ LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
 def associate(
-    epoch: Epoch, *, method: str | AssociationModel | CpdModel = "seeded", radar: RadarModel | str = "imo"
+    epoch: Epoch,
+    *,
+    method: str | AssociationModel | CpdModel = "seeded",
+    radar: RadarModel | str = "imo",
+    prove: bool = False,
 ) -> Association:
     """Find which target is which mark, and with it own position and heading, from any start.
 
@@ -37,6 +42,7 @@ def associate(
     method : a name in models/association: "seeded", or "cpd" for the plain Coherent Point Drift of [2], which always
         answers
     radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
+    prove : search everywhere for other answers (seconds to a minute) before one is accepted; the notes say the result
 
     Returns
     -------
@@ -59,7 +65,8 @@ def associate(
     scene = scenes.build(epoch, radar_model(radar), model)
     found = seeded.search(scene, model, epoch=epoch)
     _require_agreement(found, scene, model)
-    return _association(found, scene, model, tuple(target.label for target in epoch.targets))
+    notes = _prove(found, scene, model) if prove else ()
+    return _association(found, scene, model, tuple(target.label for target in epoch.targets), notes)
 
 
 def _require_enough(epoch: Epoch) -> None:
@@ -86,11 +93,31 @@ def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> 
         )
     if ahead < enough or ambiguity.probability_wrong(evidence, ahead, model) > model.accept_probability:
         within = max(enough, math.log(model.rivals / model.accept_probability))
-        alternatives = _alternatives(found, scene, within)
-        raise Ambiguous(
-            f"{len(alternatives)} places explain the echoes nearly alike: the best is ahead by {ahead:.1f} only",
-            alternatives=alternatives,
-        )
+        raise _ambiguous(found.answers, scene, within)
+
+
+def _prove(found: Search, scene: Scene, model: AssociationModel) -> tuple[str, ...]:
+    """Search everywhere; raise where that finds another answer within the margin, else say what was settled."""
+    proved = proof.prove(found, model)
+    within = math.log(model.rivals / model.accept_probability)
+    if len(proved.answers.evidence) > 1:
+        raise _ambiguous(proved.answers, scene, within)
+    cells = f"{proved.cells / 1e6:.0f} million cells of position and heading"
+    if not proved.complete:
+        return (f"Not proved: the data are too weak to settle all of {cells}.",)
+    return (f"Proved: a search of {cells} found no other place within {within:.1f} nats of this one.",)
+
+
+def _ambiguous(answers: Judged, scene: Scene, within: float) -> Ambiguous:
+    """Return the refusal that names every answer ``within`` so many nats of the best, and the step between them."""
+    rows = ambiguity.contenders(answers, max(within, ambiguity.margin(answers) + 1e-9))
+    step = ambiguity.lattice(answers, rows)
+    ahead = f"the best is ahead by {ambiguity.margin(answers):.1f} only"
+    message = f"{len(rows)} places explain the echoes nearly alike: {ahead}"
+    if step is not None:
+        azimuth_deg = math.degrees(math.atan2(step.imag, step.real)) % 180.0
+        message = f"{len(rows)} places fit, {abs(step) / NM_M:.2f} NM apart along {azimuth_deg:03.0f} deg: {ahead}"
+    return Ambiguous(message, alternatives=_as_alternatives(answers, scene, rows))
 
 
 def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternative, ...]:
@@ -98,6 +125,10 @@ def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternati
 
     answers = found.answers
     rows = ambiguity.contenders(answers, max(within, ambiguity.margin(answers) + 1e-9))
+    return _as_alternatives(answers, scene, rows)
+
+
+def _as_alternatives(answers: Judged, scene: Scene, rows: IntArray) -> tuple[Alternative, ...]:
     return tuple(
         Alternative(
             position_of(scene, complex(answers.poses.p[row])),
@@ -109,7 +140,9 @@ def _alternatives(found: Search, scene: Scene, within: float) -> tuple[Alternati
     )
 
 
-def _association(found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...]) -> Association:
+def _association(
+    found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...], notes: tuple[str, ...]
+) -> Association:
 
     answers = found.answers
     index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
@@ -125,7 +158,7 @@ def _association(found: Search, scene: Scene, model: AssociationModel, labels: t
         probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
         alternatives=_alternatives(found, scene, model.least_margin)[1:],
         second_group=_second_group(found, scene, model, index_pairs, labels),
-        notes=_notes(found),
+        notes=(*_notes(found), *notes),
         method=model.name,
     )
 

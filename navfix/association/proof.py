@@ -27,7 +27,9 @@ from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
 from navfix.types import FloatArray, IntArray
 
-CELL_M, CELL_DEG = 400.0, 1.0
+CELLS_IN_RANGE = 35  # the side of a cell as a part of the radar range, within the two limits
+SMALLEST_CELL_M, LARGEST_CELL_M = 100.0, 500.0
+CELL_DEG = 1.0
 GATE_SIGMA = 4.0
 BATCH = 512
 MOST_OPEN = 1_000_000
@@ -73,10 +75,11 @@ def prove(found: Search, model: AssociationModel, margin: float | None = None) -
         if open_cells > MOST_OPEN:
             break
         starts.append(Poses(grid.centres[cells], np.full(len(cells), heading_rad)))
-    answers = _solve(field, known, starts, model)
+    complete = open_cells <= MOST_OPEN
+    answers = _solve(field, known, starts if complete else starts[:1], model)
     answers = answers.take(np.flatnonzero(answers.evidence >= answers.evidence[0] - within))
     total = len(grid.centres) * round(360.0 / CELL_DEG)
-    return Proof(total, open_cells, open_cells <= MOST_OPEN, answers, _not_among(answers, found.answers, model))
+    return Proof(total, open_cells, complete, answers, _not_among(answers, found.answers, model))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,7 @@ class _Grid:
     """Cells of position: ``centres`` (g,) complex; ``inside`` (g,) whether any mark can be in radar range."""
 
     field: Field
+    cell_m: float
     north: int
     east: int
     corner: complex
@@ -93,13 +97,14 @@ class _Grid:
     @classmethod
     def of(cls, field: Field) -> _Grid:
         scene = field.scene
-        reach_m = scene.radar_range_m + CELL_M
+        cell_m = float(np.clip(scene.radar_range_m / CELLS_IN_RANGE, SMALLEST_CELL_M, LARGEST_CELL_M))
+        reach_m = scene.radar_range_m + cell_m
         corner = complex(scene.z.real.min() - reach_m, scene.z.imag.min() - reach_m)
         span = complex(scene.z.real.max() + reach_m, scene.z.imag.max() + reach_m) - corner
-        north, east = int(np.ceil(span.real / CELL_M)), int(np.ceil(span.imag / CELL_M))
+        north, east = int(np.ceil(span.real / cell_m)), int(np.ceil(span.imag / cell_m))
         rows, columns = np.divmod(np.arange(north * east), east)
-        centres = np.asarray(corner + CELL_M * ((rows + 0.5) + 1j * (columns + 0.5)), dtype=np.complex128)
-        return cls(field, north, east, corner, centres, _least_missed(field, centres))
+        centres = np.asarray(corner + cell_m * ((rows + 0.5) + 1j * (columns + 0.5)), dtype=np.complex128)
+        return cls(field, cell_m, north, east, corner, centres, _least_missed(field, centres, cell_m))
 
     def bound(self, heading_rad: float) -> FloatArray:
         """Return an upper bound (g,) of the log likelihood ratio of every pose in a cell and heading interval."""
@@ -133,20 +138,26 @@ class _Grid:
         scene = self.field.scene
         sigma_m = max(scene.range_sigma_m[target], scene.range_m[target] * scene.bearing_sigma_rad[target])
         gate_m = GATE_SIGMA * float(np.hypot(sigma_m, np.median(scene.mark_sigma_m)))
-        reach_m = gate_m + scene.range_m[target] * np.radians(CELL_DEG / 2.0) + CELL_M / np.sqrt(2.0)
-        width = int(np.ceil(reach_m / CELL_M))
+        reach_m = gate_m + scene.range_m[target] * np.radians(CELL_DEG / 2.0) + self.cell_m / np.sqrt(2.0)
+        width = int(np.ceil(reach_m / self.cell_m))
         offset = np.arange(-width, width + 1)
-        rows = np.floor((places - self.corner).real / CELL_M).astype(np.int64)[:, None, None] + offset[None, :, None]
-        columns = np.floor((places - self.corner).imag / CELL_M).astype(np.int64)[:, None, None] + offset[None, None, :]
-        valid = (rows >= 0) & (rows < self.north) & (columns >= 0) & (columns < self.east)
+        square = np.maximum(np.abs(offset) - 1, 0) * self.cell_m  # nearest that such a cell can be
+        disc = np.hypot(square[:, None], square[None, :]) <= reach_m
+        rows = (
+            np.floor((places - self.corner).real / self.cell_m).astype(np.int64)[:, None, None] + offset[None, :, None]
+        )
+        columns = (
+            np.floor((places - self.corner).imag / self.cell_m).astype(np.int64)[:, None, None] + offset[None, None, :]
+        )
+        valid = disc[None] & (rows >= 0) & (rows < self.north) & (columns >= 0) & (columns < self.east)
         count = np.bincount((rows * self.east + columns)[valid], minlength=len(self.centres))
         cells = np.flatnonzero(count)
         return cells, count[cells].astype(np.float64)
 
 
-def _least_missed(field: Field, centres: NDArray[np.complex128]) -> FloatArray:
-    """Return (levels, g): the sum of ln(1 - Pd) over the marks that every pose in a cell has in range, at its largest."""
-    scene, half_m = field.scene, CELL_M / np.sqrt(2.0)
+def _least_missed(field: Field, centres: NDArray[np.complex128], cell_m: float) -> FloatArray:
+    """Return (levels, g): the largest sum of ln(1 - Pd) over the marks that every pose in a cell has in range."""
+    scene, half_m = field.scene, cell_m / np.sqrt(2.0)
     levels = np.array(field.model.detection_level)
     missed = np.zeros((len(levels), len(centres)))
     for begin in range(0, len(centres), 4096):

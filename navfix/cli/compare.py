@@ -26,6 +26,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_log(parser)
     options.add_at(parser)
     options.add_estimation(parser)
+    options.add_association(parser)
     options.add_evidence(parser)
     options.add_truth(parser)
     options.add_output(parser, SUFFIXES)
@@ -42,7 +43,8 @@ def run(args: argparse.Namespace) -> int:
     epoch = solving.one_epoch(solving.read(args.log), args)
     radar = options.radar(args)
     truth = track.at(epoch.time_utc.timestamp()) if track and epoch.time_utc else None
-    association = associate(epoch, radar=radar)
+    by_hand = solving.pairs_by_hand(epoch, args)
+    association = by_hand or associate(epoch, radar=radar, method=solving.method(args), prove=args.prove)
     place = truth.position if truth else None
     rows = compare(epoch, association, radar=radar, kernel=args.kernel, truth=place)
     text, as_json = table(rows, epoch, len(association.pairs)), to_json(rows, epoch, truth)

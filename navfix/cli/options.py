@@ -65,6 +65,14 @@ def _number(text: str) -> float:
     return number
 
 
+def pairs(text: str) -> tuple[tuple[str, str], ...]:
+    """Return ("target", "mark") pairs of a text like "03=AtoN 7,05=211234560"."""
+    found = tuple(tuple(side.strip() for side in part.partition("=")[::2]) for part in text.split(","))
+    if not all(target and mark for target, mark in found):
+        raise argparse.ArgumentTypeError(f"must be like 03=AtoN7,05=211234560, got {text!r}")
+    return tuple((target, mark) for target, mark in found)
+
+
 def instant(text: str) -> datetime:
     """Return an ISO 8601 time as aware UTC; a time without a zone is UTC."""
     try:
@@ -163,6 +171,19 @@ def add_evidence(parser: argparse.ArgumentParser) -> None:
         help="whether a heading in the log is used (default: auto)",
     )
     group.add_argument("--no-prior", action="store_true", help="ignore the hints in the log: cold start")
+
+
+def add_association(parser: argparse.ArgumentParser) -> None:
+    """Add --pairs, --method, --accept, --prove: which target is which mark."""
+    group = parser.add_argument_group("association")
+    group.add_argument(
+        "--pairs", metavar="T=M,...", type=pairs, help="pairs by hand: target=mark by number, label, MMSI or name"
+    )
+    group.add_argument("--method", metavar="NAME", default="seeded", help="seeded (default), or cpd: the plain one")
+    group.add_argument(
+        "--accept", metavar="P", type=positive, help="accept an answer that is wrong with at most P (default: 0.001)"
+    )
+    group.add_argument("--prove", action="store_true", help="exclude every other place by an exhaustive search")
 
 
 def add_at(parser: argparse.ArgumentParser) -> None:

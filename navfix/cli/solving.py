@@ -14,10 +14,11 @@ from navfix.cli import options
 from navfix.cli.errors import NO_FIX, CommandError
 
 if TYPE_CHECKING:
+    from navfix.catalog import AssociationModel, CpdModel
     from navfix.nmea import Log
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
-    from navfix.types import Epoch
+    from navfix.types import Association, Epoch
 
 _logger = logging.getLogger(__name__)
 
@@ -98,12 +99,47 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
     """Solve an epoch with the options of the command, and set the truth beside it."""
     from navfix import pipeline
 
-    answer = _at_reference_point(pipeline.answer(epoch, radar=options.radar(args), kernel=args.kernel), args)
+    answer = pipeline.answer(
+        epoch,
+        radar=options.radar(args),
+        kernel=args.kernel,
+        method=method(args),
+        prove=getattr(args, "prove", False),
+        association=pairs_by_hand(epoch, args),
+    )
+    answer = _at_reference_point(answer, args)
     if track is None:
         return answer
     from navfix.report.truth import with_truth
 
     return with_truth(answer, track)
+
+
+def method(args: argparse.Namespace) -> AssociationModel | CpdModel:
+    """Return the association method that --method names, with --accept in place of its own probability."""
+    from dataclasses import replace
+
+    from navfix.catalog import AssociationModel, association_method
+
+    chosen = association_method(getattr(args, "method", "seeded"))
+    accept = getattr(args, "accept", None)
+    return replace(chosen, accept_probability=accept) if accept and isinstance(chosen, AssociationModel) else chosen
+
+
+def pairs_by_hand(epoch: Epoch, args: argparse.Namespace) -> Association | None:
+    """Return the association that --pairs gives: a mark by its label (MMSI) or by its name."""
+    from navfix.errors import InputError
+    from navfix.types import Association
+
+    if not getattr(args, "pairs", None):
+        return None
+    labels = {mark.label for mark in epoch.marks}
+    by_name = {mark.name.strip().upper(): mark.label for mark in epoch.marks if mark.name}
+    wanted = [(target, mark if mark in labels else by_name.get(mark.upper(), mark)) for target, mark in args.pairs]
+    try:
+        return Association.from_pairs(epoch, wanted)
+    except InputError as error:
+        raise CommandError(f"--pairs: {error}") from error
 
 
 def _at_reference_point(answer: Answer, args: argparse.Namespace) -> Answer:
