@@ -84,6 +84,8 @@ class AssociationModel:
     pairs_per_stage: list[int]
     pair_gate_sigma: float
     seeds: int
+    deep_seed_points: int
+    most_seeds: int
     cell_m: float
     cell_deg: float
     votes_at_most: int

@@ -104,29 +104,30 @@ def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0
     return ratio
 
 
-def refine(field: Field, poses: Poses) -> tuple[Poses, FloatArray]:
+def refine(field: Field, poses: Poses, finalists: int | None = None) -> tuple[Poses, FloatArray]:
     """Run the annealed EM from every pose; return the poses and their information matrices (k, 3, 3).
 
-    After the wide steps only the ``model.finalists`` best that differ go on: the others are accidents of the vote.
+    After the wide steps only the best ``finalists`` (default ``model.finalists``) that differ go on: the others are
+    accidents of the vote.
     """
     widest, rest = field.model.annealing[:2], field.model.annealing[2:]
     gain = np.zeros(len(poses))
     for widening in widest:
         poses, information, gain = em_step(field, poses, widening)
-    poses = poses.take(_finalists(poses, gain, field.model))
+    poses = poses.take(_finalists(poses, gain, field.model, finalists or field.model.finalists))
     for widening in rest:
         poses, information, _ = em_step(field, poses, widening)
     return poses, information
 
 
-def _finalists(poses: Poses, gain: FloatArray, model: AssociationModel) -> IntArray:
+def _finalists(poses: Poses, gain: FloatArray, model: AssociationModel, most: int) -> IntArray:
     """Return the rows of the best poses, one of each group that is on its way to the same optimum."""
     order = np.argsort(-gain, kind="stable")
     p, heading_rad = poses.p[order], poses.heading_rad[order]
     near = np.abs(p[:, None] - p[None, :]) < 0.5 * model.distinct_m
     near &= np.abs(wrap_pi(heading_rad[:, None] - heading_rad[None, :])) < 0.5 * np.radians(model.distinct_deg)
     has_better = np.tril(near, -1).any(axis=1)
-    return order[~has_better][: model.finalists]
+    return order[~has_better][:most]
 
 
 def em_step(field: Field, poses: Poses, widening: float) -> tuple[Poses, FloatArray, FloatArray]:

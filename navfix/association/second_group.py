@@ -44,7 +44,7 @@ def find(found: Search, model: AssociationModel, matched: IntArray) -> tuple[com
         heading_sigma_rad=float(heading_sigma_rad),
     )
     voting = radar_pairs(rest, index, model).take(slice(0, model.pairs_per_stage[2]))
-    starts = seeds(rest, index, voting, model, same_heading.plausible)
+    starts = seeds(rest, index, voting, model, model.seeds, same_heading.plausible)
     starts = starts.take(same_heading.plausible(starts))
     if len(starts) == 0:
         return None

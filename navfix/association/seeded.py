@@ -31,8 +31,8 @@ def search(
 ) -> Search:
     """Find every pose that explains the scene, best first.
 
-    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells. The
-    hints of the ``epoch``, where it has any, are weighed in the evidence.
+    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells, from
+    many more of them after the first stage. The hints of the ``epoch``, where it has any, are weighed in the evidence.
     """
     index = index or PairIndex.of(scene.z, 2.0 * scene.radar_range_m)
     field = em.Field(scene, model)
@@ -40,22 +40,29 @@ def search(
     pairs = seeds.radar_pairs(scene, index, model)
     found: Judged | None = None
     tried = 0
-    for stage in model.pairs_per_stage:
+    plausible = known.plausible if known.has_hint else None
+    for number, stage in enumerate(model.pairs_per_stage):
+        most = model.seeds if number == 0 else deep_seeds(scene, model)
         voting = pairs.take(slice(0, stage))
-        starts = seeds.seeds(scene, index, voting, model, known.plausible if known.has_hint else None)
+        starts = seeds.seeds(scene, index, voting, model, most, plausible)
         if found is not None:
             starts = Poses.join(found.poses.take(np.arange(min(5, len(found.poses)))), starts)
         if len(starts) == 0:
             break
-        poses, information = em.refine(field, starts)
+        poses, information = em.refine(field, starts, finalists=max(model.finalists, most // 3))
         found = ambiguity.distinct(evidence.judge(field, poses, information, known), model)
         tried = len(voting.first)
         certain = found.evidence[0] > model.stop_evidence and ambiguity.margin(found) > model.stop_margin
-        if certain or tried >= len(pairs.first):
+        if certain or (number > 0 and tried >= len(pairs.first)):
             break
     if found is None:
         found = _nothing(field, known)
     return Search(field, known, found, tried)
+
+
+def deep_seeds(scene: Scene, model: AssociationModel) -> int:
+    """Return how many seeds the later stages try: with few targets the right cell has few votes, a try is cheap."""
+    return int(np.clip(model.deep_seed_points / len(scene.rho), model.seeds, model.most_seeds))
 
 
 def _nothing(field: em.Field, known: Prior) -> Judged:

@@ -81,17 +81,22 @@ def radar_pairs(scene: Scene, index: PairIndex, model: AssociationModel) -> Rada
 
 
 def seeds(
-    scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel, plausible: Plausible | None = None
+    scene: Scene,
+    index: PairIndex,
+    pairs: RadarPairs,
+    model: AssociationModel,
+    most: int,
+    plausible: Plausible | None = None,
 ) -> Poses:
-    """Return the poses that most of the radar pairs vote for, at most ``model.seeds`` from each of two grids.
+    """Return the poses that most of the radar pairs vote for, at most ``most`` from each of two grids.
 
     With hints, as many again from the votes that are ``plausible``: two common targets are lost among all votes.
     """
     voted = Poses(*votes(scene, index, pairs, model))
-    found = [_fullest_cells(voted, model, shift) for shift in (0.0, 0.5)]
+    found = [_fullest_cells(voted, model, most, shift) for shift in (0.0, 0.5)]
     if plausible is not None:
         near = voted.take(plausible(voted))
-        found += [_fullest_cells(near, model, shift) for shift in (0.0, 0.5)]
+        found += [_fullest_cells(near, model, most, shift) for shift in (0.0, 0.5)]
     return Poses.join(*found)
 
 
@@ -136,7 +141,7 @@ def _spread(i: IntArray, j: IntArray, order: IntArray, targets: int) -> IntArray
     return order[np.argsort(rounds // per_round, kind="stable")]
 
 
-def _fullest_cells(voted: Poses, model: AssociationModel, shift: float) -> Poses:
+def _fullest_cells(voted: Poses, model: AssociationModel, most: int, shift: float) -> Poses:
     """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell."""
     p, heading_rad = voted.p, voted.heading_rad
     if len(p) == 0:
@@ -149,12 +154,12 @@ def _fullest_cells(voted: Poses, model: AssociationModel, shift: float) -> Poses
     key = (north * 73856093 ^ east * 19349663 ^ turn * 83492791) & 0x7FFFFFFFFFFF
     bucket = (key ^ (key >> bits)) & ((1 << bits) - 1)
     count = np.bincount(bucket, minlength=1 << bits)
-    best = np.flatnonzero(count >= _count_of_the_fullest(count, model.seeds))
+    best = np.flatnonzero(count >= _count_of_the_fullest(count, most))
     rank = np.full(1 << bits, -1, dtype=np.int32)
     rank[best] = np.arange(len(best))
     member = np.flatnonzero(rank[bucket] >= 0)
     cells = np.stack([north, east, turn])[:, member]
-    return _cell_means(p[member], heading_rad[member], rank[bucket[member]], cells, model.seeds)
+    return _cell_means(p[member], heading_rad[member], rank[bucket[member]], cells, most)
 
 
 def _count_of_the_fullest(count: IntArray, wanted: int) -> int:
