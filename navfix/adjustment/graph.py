@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 POSE = 0  # keys: the pose, then mark i at 1 + i
 _STANDS_STILL = 1e-8  # m and rad
 _RENEWALS = 20
+_NO_WEIGHT = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,8 +53,14 @@ def available() -> bool:
     return importlib.util.find_spec("gtsam") is not None
 
 
-def solve(network: Network, kernel: Kernel, damping: Damping, start: FloatArray) -> GraphSolution:
+def solve(
+    network: Network, kernel: Kernel, damping: Damping, start: FloatArray, *, weights: FloatArray | None = None
+) -> GraphSolution:
     """Minimise the losses of all factors from ``start`` (3,) and take the joint marginal covariance of the pose.
+
+    With ``weights`` (m,), those of the kernel at a minimum that is known already, the factors carry them as they are:
+    no kernel is called back, and the minimum is one of weighted least squares. Whoever gives them checks that the
+    result is stationary under the kernel too.
 
     Without relative bearings no factor depends on the heading; a prior holds it at the start, and its row and column
     of the covariance are to be ignored.
@@ -65,7 +72,7 @@ def solve(network: Network, kernel: Kernel, damping: Damping, start: FloatArray)
     pose, iterations = np.asarray(start, np.float64), 0
     try:
         for _ in range(_RENEWALS):
-            graph, solution, count, error = _optimise(network, kernel, damping, pose)
+            graph, solution, count, error = _optimise(network, kernel, damping, pose, weights)
             iterations += count
             found = solution.atPose2(POSE)
             moved = np.array([found.x(), found.y(), found.theta()]) - pose
@@ -79,16 +86,23 @@ def solve(network: Network, kernel: Kernel, damping: Damping, start: FloatArray)
         raise Unobservable(f"GTSAM cannot solve this graph: {said}", direction="not determined") from failure
 
 
-def _optimise(network: Network, kernel: Kernel, damping: Damping, pose: FloatArray) -> tuple[Any, Any, int, float]:
+def _optimise(
+    network: Network, kernel: Kernel, damping: Damping, pose: FloatArray, weights: FloatArray | None
+) -> tuple[Any, Any, int, float]:
     import gtsam
 
     graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
     values.insert(POSE, gtsam.Pose2(*pose))
-    for mark in np.unique(network.mark[network.mask]):
+    taking_part = network.mask if weights is None else network.mask & (weights > _NO_WEIGHT)
+    held = gtsam.noiseModel.Constrained.All(2)
+    for mark in np.unique(network.mark[taking_part]).tolist():
         place = network.mark_ne_m[mark]
-        values.insert(1 + int(mark), place)
-        graph.add(gtsam.PriorFactorPoint2(1 + int(mark), place, gtsam.noiseModel.Constrained.All(2)))
-    for factor in _factors(network, kernel, damping, pose):
+        values.insert(1 + mark, place)
+        graph.add(gtsam.PriorFactorPoint2(1 + mark, place, held))
+    factors = (
+        _factors(network, kernel, damping, pose) if weights is None else _weighted(network, damping, pose, weights)
+    )
+    for factor in factors:
         graph.add(factor)
     for heading_rad, sigma_rad in _heading_priors(network, pose):
         noise = gtsam.noiseModel.Isotropic.Sigma(1, sigma_rad)
@@ -148,6 +162,28 @@ def _factors(network: Network, kernel: Kernel, damping: Damping, pose: FloatArra
         robust = wraps[int(size)]
         members, matrix = _in_gtsam_order(network, [int(i) for i in block[:size]], matrix[:size, :size])
         yield _factor(network, members, robust(gtsam.noiseModel.Gaussian.Covariance(matrix)))
+
+
+def _weighted(network: Network, damping: Damping, pose: FloatArray, weights: FloatArray) -> Iterator[Any]:
+    """Yield the same factors with variances divided by their weights, and none where nothing is left."""
+    import gtsam
+
+    at_pose = jacobian(network, pose)
+    if damping == "separate" or network.diagonal:
+        sigma = effective_sigma(network, at_pose) / np.sqrt(np.maximum(weights, _NO_WEIGHT))
+        groups = np.arange(len(weights))[network.mask, None] if damping == "separate" else network.blocks
+        for group in groups.tolist():
+            members = [index for index in group if index >= 0]
+            if weights[members[0]] > _NO_WEIGHT:
+                members.sort(key=lambda index: bool(network.is_range[index]))
+                yield _factor(network, members, gtsam.noiseModel.Diagonal.Sigmas(sigma[members]))
+        return
+    covariance = block_covariance(network, at_pose)
+    for block, size, matrix in zip(network.blocks, network.block_sizes, covariance, strict=True):
+        weight = float(weights[block[0]])
+        if weight > _NO_WEIGHT:
+            members, part = _in_gtsam_order(network, [int(i) for i in block[:size]], matrix[:size, :size])
+            yield _factor(network, members, gtsam.noiseModel.Gaussian.Covariance(part / weight))
 
 
 def _in_gtsam_order(network: Network, members: list[int], covariance: FloatArray) -> tuple[list[int], FloatArray]:

@@ -146,18 +146,19 @@ class Network:
         return self.observations - self.unknowns
 
     def with_marks(self, mark_ne_m: FloatArray) -> Network:
-        """Return the same observations with the marks at other coordinates (a re-centred plane)."""
-        return Network(
-            self.kind,
-            self.mark,
-            self.value,
-            self.sigma,
-            np.asarray(mark_ne_m, np.float64).reshape(-1, 2),
-            self.mark_covariance_m2,
-            self.target,
-            self.mask,
-            self.heading_prior_rad,
-        )
+        """Return the same observations with the marks at other coordinates (a re-centred plane).
+
+        What was checked and derived before does not depend on them, and is taken over.
+        """
+        places = np.asarray(mark_ne_m, np.float64).reshape(-1, 2)
+        if places.shape != self.mark_ne_m.shape or not np.all(np.isfinite(places)):
+            raise InputError(f"network: expected {len(self.mark_ne_m)} finite places, got shape {places.shape}")
+        moved = object.__new__(Network)
+        for name in self.__slots__:
+            object.__setattr__(moved, name, getattr(self, name))
+        object.__setattr__(moved, "mark_ne_m", places)
+        object.__setattr__(moved, "place", places[self.mark].T.copy())
+        return moved
 
 
 def _check(network: Network) -> None:

@@ -110,7 +110,8 @@ def finish(
     (the next step shorter than 1e-4 sigma) and its loss not above that of the start; else the dense solution stands.
     """
     if solver == "gtsam" or (solver == "auto" and graph.available()):
-        found = graph.solve(network, kernel, damping, minimum.pose)
+        known = observation_weights(network, kernel, damping, minimum.pose)
+        found = graph.solve(network, kernel, damping, minimum.pose, weights=known)
         loss = float(total_loss(network, kernel, damping, found.pose))
         step = minimise(network, kernel, damping, found.pose[None, :], iterations=1).step[0]
         if step < _AGREE and loss <= minimum.loss + 1e-6 * (1.0 + minimum.loss):

@@ -25,9 +25,10 @@ from navfix.units import wrap_pi
 DISTINCT_M = 50.0
 DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
-_CONSENSUS_STARTS = 5
+_AGREES = 3.0  # sigma: nearer than this a target agrees with a trial fix
+_CONSENSUS_STARTS, _FEWEST_STARTS = 5, 3
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
-_ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 6, 10, 60
+_ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 3, 10, 60
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +52,10 @@ def find_minima(
     trials = trial_fixes(network)
     score = consensus(network, trials)
     apart = separation(network, trials[int(np.argmin(score))])
-    names, poses = _starts(network, damping, given, trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)])
+    agreed = trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)]
+    names, poses = _starts(
+        network, kernel, damping, given, agreed, smooth=not _decided(network, kernel, damping, agreed)
+    )
     coarse = minimise(network, kernel, damping, poses, tolerance=_COARSE, iterations=_COARSE_STEPS)
     chosen = _distinct(coarse.pose, coarse.loss, *apart)
     fine, names = _without_saddles(network, kernel, damping, coarse.pose[chosen], [names[i] for i in chosen])
@@ -109,18 +113,38 @@ def separation(network: Network, pose: FloatArray) -> tuple[float, float]:
     return (min(DISTINCT_M, five_sigma_m) if five_sigma_m > 0.0 else DISTINCT_M), DISTINCT_RAD
 
 
+def _decided(network: Network, kernel: Kernel, damping: Damping, agreed: FloatArray) -> bool:
+    """Tell whether so many targets agree on the best place that no other can have a lower loss: two in three or more.
+
+    At least three starts must be there already, and the kernel must forget outliers.
+    """
+    if len(agreed) < _FEWEST_STARTS or not math.isfinite(kernel.bound(damping)):
+        return False
+    v_white, _ = whitened(network, agreed[0])
+    z = target_norms(network, v_white) / np.sqrt(np.maximum(network.block_sizes, 1))
+    return 3 * int(np.count_nonzero(z < _AGREES)) >= 2 * len(z)
+
+
 def _starts(
-    network: Network, damping: Damping, given: tuple[tuple[str, FloatArray], ...], agreed: FloatArray
+    network: Network,
+    kernel: Kernel,
+    damping: Damping,
+    given: tuple[tuple[str, FloatArray], ...],
+    agreed: FloatArray,
+    *,
+    smooth: bool,
 ) -> tuple[list[str], FloatArray]:
     """Return names and poses: the given ones, those of the consensus (c, 3), and from its best Huber and least squares.
 
-    Huber and least squares are not followed to the end: as starts they need not be.
+    The last two (``smooth``) are not followed to the end: as starts they need not be. A kernel that never lets go has
+    its minimum about theirs, and they are followed farther.
     """
     names = [name for name, _ in given] + ["consensus"] * len(agreed)
     poses = [np.asarray(pose, np.float64) for _, pose in given] + list(agreed)
-    for name, kernel in (("huber", "huber"), ("least squares", "none")):
-        damper = catalog.kernel(kernel)
-        found = minimise(network, damper, damping, agreed[:1], tolerance=_ROUGH, iterations=_ROUGH_STEPS)
+    steps = _ROUGH_STEPS if math.isfinite(kernel.bound(damping)) else _COARSE_STEPS
+    for name, smoother in (("huber", "huber"), ("least squares", "none")) if smooth else ():
+        damper = catalog.kernel(smoother)
+        found = minimise(network, damper, damping, agreed[:1], tolerance=_ROUGH, iterations=steps)
         names.append(name)
         poses.append(found.pose[0])
     return names, np.array(poses)

@@ -51,7 +51,7 @@ def _index_pairs(count: int, at_most: int) -> tuple[IntArray, IntArray]:
     if len(first) <= at_most:
         return first, second
     strides = np.unique(np.linspace(1, count // 2, max(at_most // count, 1)).astype(np.int64))
-    base = np.arange(count)
+    base = np.unique(np.linspace(0, count - 1, min(count, at_most)).astype(np.int64))
     return np.tile(base, len(strides)), np.concatenate([(base + stride) % count for stride in strides])
 
 
