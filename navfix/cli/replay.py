@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
-    from navfix.types import Epoch
+    from navfix.types import Epoch, ShipVeracity
 
 SUFFIXES = (".json",)
+VERACITY_SUFFIXES = (".txt", ".json")
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -25,6 +28,12 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_window(parser)
     options.add_independent(parser)
     options.add_truth(parser)
+    parser.add_argument(
+        "--veracity",
+        metavar="FILE",
+        type=partial(options.output_file, suffixes=VERACITY_SUFFIXES),
+        help="which ships' AIS radar does not confirm, over the whole log: a table (.txt) or rows (.json)",
+    )
     options.add_output(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
@@ -32,20 +41,24 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Solve scan by scan; a line as soon as it is known."""
     from navfix import pipeline
-    from navfix.integrity import GnssMonitor
+    from navfix.integrity import AisVeracity, GnssMonitor
     from navfix.report.writers import render
 
     solving.refuse(args, ["chart", "window"])
+    written = [path for path in (*args.out, args.veracity) if path is not None]
+    options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track = solving.truth_track(args)
     log = solving.read(args.log)
-    lines, fixes, known, monitor = [], 0, 0, GnssMonitor()
+    lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
         if count % args.every:
             continue
         answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
-        fixes += answer.fix is not None
+        if answer.fix is not None:
+            fixes += 1
+            veracity.feed(answer.fix)
         known += answer.truth is not None
         lines.append(render(answer, ".json").strip())
         print(lines[-1], flush=True)
@@ -54,7 +67,17 @@ def run(args: argparse.Namespace) -> int:
     options.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
     truths = "" if track is None else f", {known} of them with a truth"
     print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
+    if args.veracity is not None:
+        _write_veracity(args.veracity, veracity.ships())
     return OK if fixes else NO_FIX
+
+
+def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
+    from navfix.report.veracity import summary, veracity_json, veracity_text
+
+    writers = {".json": lambda: veracity_json(ships), ".txt": lambda: veracity_text(ships, all_ships=True)}
+    options.write_outputs([path], writers)
+    print(f"navfix: AIS veracity: {summary(ships)}", file=sys.stderr)
 
 
 def _clock(epoch: Epoch) -> str:

@@ -5,5 +5,6 @@ from __future__ import annotations
 from navfix.integrity.gnss import gnss_verdict
 from navfix.integrity.monitor import GnssMonitor
 from navfix.integrity.protection import with_integrity
+from navfix.integrity.veracity import AisVeracity
 
-__all__ = ["GnssMonitor", "gnss_verdict", "with_integrity"]
+__all__ = ["AisVeracity", "GnssMonitor", "gnss_verdict", "with_integrity"]

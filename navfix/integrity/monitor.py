@@ -13,7 +13,7 @@ from navfix.integrity.gnss import ONE_INSTANT, difference, gnss_verdict
 from navfix.types import Fix, GnssReport, GnssVerdict, Verdict
 
 _WORDS: dict[Verdict, str] = {"ok": "ok", "caution": "caution", "unsafe": "unsafe", "not_available": "not available"}
-SLOW_PROBABILITY = 1e-5  # of one test over a window; a window of minutes is tested anew in every epoch
+SLOW_PROBABILITY = 1e-4  # of one test over a window; a window of minutes is tested anew in every epoch
 
 
 @dataclass(frozen=True, slots=True)
