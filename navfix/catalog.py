@@ -96,6 +96,8 @@ class AssociationModel:
     detection_level: list[float]
     clutter_kernels_m: list[float]
     use_speed: bool
+    use_missed: bool
+    use_local_clutter: bool
     far_detection: float
     conspicuity_long: float
     conspicuity_unknown: float

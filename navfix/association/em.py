@@ -191,6 +191,8 @@ def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
     """
     count = len(scene.rho)
     uniform = count / (np.pi * scene.radar_range_m**2)
+    if not model.use_local_clutter:
+        return np.full(count, uniform)
     apart_sq = np.abs(scene.rho[:, None] - scene.rho[None, :]) ** 2
     densest = np.zeros(count)
     for width_m in model.clutter_kernels_m:

@@ -83,6 +83,8 @@ def _matching_bounds(ratio: FloatArray, fit: Fit, share: FloatArray, marks: int)
 
 def _log_missed(field: Field, poses: Poses, level: float) -> FloatArray:
     """Return sum of ln(1 - Pd_j) (k,) over the marks in radar range: one without an echo speaks against a pose."""
+    if not field.model.use_missed:
+        return np.zeros(len(poses))
     scene = field.scene
     distance_m = np.abs(scene.z[None, :] - poses.p[:, None])
     pd = level * field.detection(distance_m, scene.conspicuity[None, :])

@@ -1,6 +1,7 @@
 """The association, counted: `python tests/benchmarks/bench_association.py [TABLE ...] [--scenes N]`.
 
-Tables: methods, determinable, random, nothing, rows, shifted, misfit, bound, growth, switches, foreign. All seeded.
+Tables: methods, determinable, random, nothing, rows, shifted, misfit, bound, growth, switches, recordings,
+foreign. All seeded.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import time
 import tracemalloc
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +20,7 @@ import numpy as np
 from navfix.association import ambiguity, cpd, seeded
 from navfix.association import scene as scenes
 from navfix.association.epoch import associate
-from navfix.catalog import association_model, radar_model
+from navfix.catalog import AssociationModel, association_model, radar_model
 from navfix.errors import Ambiguous, NoFix
 from navfix.geodesy import LocalPlane, inverse
 from navfix.simulation.scenes import MadeScene, SceneRecipe, make_scene
@@ -258,38 +260,101 @@ def growth(_: int) -> Iterator[str]:
         yield f"{targets:>8}{marks:>7}{np.median(times):>8.1f}{peak / 1e6:>9.1f}"
 
 
+def switches(_: int) -> Iterator[str]:
+    """What each part of the evidence brings on the recordings: answers, wrong ones, and answers to foreign AIS."""
+    yield _row("without", "010 fixes", "004 fixes", "wrong", "foreign", "highest E")
+    for name, change in (
+        ("nothing", {}),
+        ("speeds", {"use_speed": False}),
+        ("missed detections", {"use_missed": False}),
+        ("local clutter density", {"use_local_clutter": False}),
+    ):
+        model = replace(MODEL, **change)
+        counted = [_solved_alone(f"marce/marce_01_{run}", model) for run in ("010", "004")]
+        if not all(counted):
+            yield "shared data absent"
+            return
+        fixes = (f"{answers / scans:.1%}" for scans, answers, _ in counted)
+        total, accepted, highest = _mixed(model, thin=3)
+        wrong = sum(w for _, _, w in counted)
+        yield _row(name, *fixes, wrong, f"{accepted}/{total}", f"{highest:.1f}")
+
+
 def foreign(_: int) -> Iterator[str]:
     """Radar of one place with the AIS of another (needs the recordings beside the project)."""
+    total, accepted, highest = _mixed(MODEL)
+    yield f"{total} scans: {accepted} accepted; highest evidence refused {highest:.1f}"
+
+
+def recordings(_: int) -> Iterator[str]:
+    """Every second scan of the recordings alone, from nothing: answers and wrong ones (beyond 500 m)."""
+    yield _row("recording", "scans", "answers", "wrong")
+    for name in RECORDINGS:
+        counted = _solved_alone(name, MODEL)
+        if counted is not None:
+            scans, answers, wrong = counted
+            yield _row(name, scans, f"{answers / scans:.1%}", wrong)
+
+
+RECORDINGS = {
+    "semi_real/dense_sf": 6,
+    "semi_real/coastal_hakefjord": 4,
+    "semi_real/moored_harlingen_atons": 1,
+    "marce/marce_01_001": 2,
+    "marce/marce_01_004": 2,
+    "marce/marce_01_010": 4,
+}
+SHARED = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+
+@cache
+def _epochs(name: str, every: int) -> tuple[Epoch, ...]:
     from navfix.nmea import read_log
     from navfix.picture import epochs
 
-    folder = Path(__file__).resolve().parents[3] / "shared" / "data"
-    steps = {
-        "semi_real/dense_sf": 6, "semi_real/coastal_hakefjord": 4, "semi_real/moored_harlingen_atons": 1,
-        "marce/marce_01_001": 2, "marce/marce_01_004": 2, "marce/marce_01_010": 4,
-    }  # fmt: skip
-    if not folder.is_dir():
-        yield "shared data absent"
-        return
-    taken = {
-        name: [e for e in epochs(read_log(folder / f"{name}.nmea").records, every=step) if len(e.targets) >= 3]
-        for name, step in steps.items()
-    }
-    total = accepted = 0
-    highest = -math.inf
+    log = SHARED / f"{name}.nmea"
+    return tuple(epochs(read_log(log).records, every=every)) if log.is_file() else ()
+
+
+def _solved_alone(name: str, model: AssociationModel) -> tuple[int, int, int] | None:
+    """Return scans with truth, answers, and answers more than 500 m off."""
+    from navfix.report.truth import TruthTrack
+
+    if not _epochs(name, 2):
+        return None
+    with (SHARED / f"{name}_truth.csv").open() as lines:
+        track = TruthTrack.parse(lines)
+    scans = answers = wrong = 0
+    for epoch in _epochs(name, 2):
+        truth = track.at(epoch.time_utc.timestamp()) if epoch.time_utc else None
+        if truth is None:
+            continue
+        scans += 1
+        try:
+            found = associate(epoch, method=model)
+        except NoFix:
+            continue
+        answers += 1
+        wrong += inverse(found.position, truth.position)[0] > 500.0
+    return scans, answers, wrong
+
+
+def _mixed(model: AssociationModel, thin: int = 1) -> tuple[int, int, float]:
+    """Return scans of radar here with AIS from elsewhere, how many had an answer, the highest evidence refused."""
+    taken = {name: [e for e in _epochs(name, step) if len(e.targets) >= 3] for name, step in RECORDINGS.items()}
+    total, accepted, highest = 0, 0, -math.inf
     for radar, theirs in taken.items():
         for ais, others in taken.items():
             if radar == ais or (radar.startswith("marce") and ais.startswith("marce")):
                 continue
-            for k, epoch in enumerate(theirs):
-                mixed = replace(epoch, marks=others[(7 * k) % len(others)].marks)
+            for k, epoch in enumerate(theirs[::thin]):
+                total += 1
                 try:
-                    associate(mixed)
+                    associate(replace(epoch, marks=others[(7 * k) % len(others)].marks), method=model)
                     accepted += 1
                 except NoFix as error:
                     highest = max(highest, getattr(error, "evidence", -math.inf))
-                total += 1
-    yield f"{total} scans: {accepted} accepted; highest evidence refused {highest:.1f}"
+    return total, accepted, highest
 
 
 # ----------------------------------------------------------------------------------------------------------- helpers
@@ -406,7 +471,20 @@ def _nearest_m(ambiguous: Ambiguous) -> list[float]:
 
 TABLES = {
     table.__name__: table
-    for table in (methods, determinable, random, nothing, rows, shifted, misfit, bound, growth, foreign)
+    for table in (
+        methods,
+        determinable,
+        random,
+        nothing,
+        rows,
+        shifted,
+        misfit,
+        bound,
+        growth,
+        switches,
+        recordings,
+        foreign,
+    )
 }
 
 if __name__ == "__main__":
