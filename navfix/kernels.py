@@ -19,6 +19,7 @@ from navfix.errors import InputError
 from navfix.types import FloatArray
 
 Damping = Literal["joint", "separate"]
+Standardisation = Literal["sigma", "gdynia"]
 Curve = Callable[..., FloatArray]
 
 
@@ -88,7 +89,7 @@ def _check_constants(name: str, family: str, constants: tuple[float, ...]) -> No
         raise InputError(f"kernel {name}: family {family} has the constants {names}, got {constants}")
     if not all(math.isfinite(value) and value > 0.0 for value in constants if value != math.inf):
         raise InputError(f"kernel {name}: constants must be > 0, got {constants}")
-    thresholds = constants if family != "danish" else ()
+    thresholds = () if family in ("danish", "tls") else constants
     if any(low >= high for low, high in pairwise(thresholds)):
         raise InputError(f"kernel {name}: {', '.join(names)} must increase, got {constants}")
 
@@ -216,6 +217,22 @@ def _linear_weight(z: FloatArray, k: float, k_b: float) -> FloatArray:
     return _falling(z, k, k_b)
 
 
+def _tls_loss(z: FloatArray, c: float, mu: float) -> FloatArray:
+    inner, outer = c * math.sqrt(mu / (mu + 1.0)), c * math.sqrt((mu + 1.0) / mu)
+    x = np.minimum(np.maximum(z, inner), outer)
+    between = c * x * math.sqrt(mu * (mu + 1.0)) - 0.5 * mu * (c**2 + x**2)
+    return np.where(z < inner, 0.5 * z**2, between)
+
+
+def _tls_derivative(z: FloatArray, c: float, mu: float) -> FloatArray:
+    return z * _tls_weight(z, c, mu)
+
+
+def _tls_weight(z: FloatArray, c: float, mu: float) -> FloatArray:
+    falling = c * math.sqrt(mu * (mu + 1.0)) / np.maximum(z, 1e-300) - mu
+    return np.minimum(np.maximum(falling, 0.0), 1.0)
+
+
 FAMILIES: dict[str, Family] = {
     "none": Family((), _none_loss, _none_derivative, _none_weight),
     "huber": Family(("k",), _huber_loss, _huber_derivative, _huber_weight),
@@ -223,5 +240,6 @@ FAMILIES: dict[str, Family] = {
     "danish": Family(("k", "l", "g"), _danish_loss, _danish_derivative, _danish_weight),
     "tukey": Family(("c",), _tukey_loss, _tukey_derivative, _tukey_weight),
     "igg3": Family(("k0", "k1"), _igg3_loss, _igg3_derivative, _igg3_weight),
+    "tls": Family(("c", "mu"), _tls_loss, _tls_derivative, _tls_weight),
     "gdynia_linear": Family(("k", "k_b"), _linear_loss, _linear_derivative, _linear_weight),
 }

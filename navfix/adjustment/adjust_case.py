@@ -12,12 +12,12 @@ from navfix.adjustment.case import Case
 from navfix.adjustment.case_frame import Place, middle_of_marks, moved, network_about, true_heading_deg
 from navfix.adjustment.network import Damping, Network
 from navfix.adjustment.observations import adjusted_observations, notes
-from navfix.adjustment.reliability import Quality, assess
-from navfix.adjustment.solve import Solution, Solver, alternative, check_counts, finish, solve
-from navfix.adjustment.start import Minimum, follow
+from navfix.adjustment.reliability import Quality, assess, by_residual_sigma
+from navfix.adjustment.solve import Solution, Solver, alternative, check_counts, determined, finish, solve
+from navfix.adjustment.start import Minimum, find_minima, follow
 from navfix.adjustment.textbook import LinearStep, linear_step
 from navfix.errors import Unobservable
-from navfix.kernels import Kernel
+from navfix.kernels import Kernel, Standardisation
 from navfix.types import AdjustedObservation, Fix, FloatArray, Integrity, Position
 from navfix.units import wrap_360
 
@@ -26,7 +26,12 @@ _RECENTRINGS = 20
 
 
 def adjust_case(
-    case: Case, *, kernel: Kernel | str = "hampel", damping: Damping = "joint", solver: Solver = "auto"
+    case: Case,
+    *,
+    kernel: Kernel | str = "hampel",
+    damping: Damping = "joint",
+    standardise: Standardisation = "sigma",
+    solver: Solver = "auto",
 ) -> Fix:
     """Adjust a case; with relative bearings the heading is an unknown too.
 
@@ -38,6 +43,7 @@ def adjust_case(
     ----------
     kernel : acts on the standardised residual
     damping : "joint" damps what was measured to one target together, "separate" each observation by itself
+    standardise : "sigma" of the observation, or "gdynia": that of its residual from the a-priori weights, held fixed
 
     Returns
     -------
@@ -52,6 +58,8 @@ def adjust_case(
     origin = case.start if case.start is not None else middle_of_marks(case)
     network = network_about(case, origin)
     check_counts(network)
+    standard = _standard(case, network, kernel, damping) if standardise == "gdynia" else None
+    network = replace(network, standard=standard)
 
     def place(pose: FloatArray) -> tuple[Place, float | None]:
         there = moved(origin, float(pose[0]), float(pose[1]))
@@ -100,6 +108,15 @@ def first_step(case: Case, fix: Fix) -> LinearStep | None:
 # -------------------------------------------------------------------------------------------------------- the steps
 
 
+def _standard(case: Case, network: Network, kernel: Kernel, damping: Damping) -> FloatArray | None:
+    """Return the a-priori sigma of the residuals, at the place found without it; None where nothing is determined."""
+    start = _start(case, network, kernel, damping)
+    pose = find_minima(network, kernel, damping)[0].pose if start is None else start
+    if not determined(network, pose, damping):
+        return None
+    return by_residual_sigma(network, pose, damping).standard
+
+
 def _start(case: Case, network: Network, kernel: Kernel, damping: Damping) -> FloatArray | None:
     """Return the pose (3,) to go down from, None for a case without a start.
 
@@ -129,7 +146,7 @@ def _recentred(
     if not isinstance(own, Position):
         return own, network, solution
     for _ in range(_RECENTRINGS):
-        network = network_about(case, own)
+        network = replace(network_about(case, own), standard=network.standard)
         start = np.array([0.0, 0.0, solution.pose[2]])
         found = follow(network, kernel, damping, start, solution.start)
         own = moved(own, float(found.pose[0]), float(found.pose[1]))

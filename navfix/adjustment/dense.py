@@ -173,8 +173,26 @@ def _step(
 # ---------------------------------------------------------------------------------------- the kernel over a network
 
 
+def kernel_arguments(network: Network, damping: Damping, pose: FloatArray) -> FloatArray:
+    """Return what the kernel acts on at ``pose`` (..., 3), (..., g) or (..., m)."""
+    return np.asarray(_norms(network, damping, whitened(network, pose, damping)[0]) / own_sigma(network, damping))
+
+
+def own_sigma(network: Network, damping: Damping) -> FloatArray | float:
+    """Return the sigma of the residuals in units of that of the observations, (g,) or (m,); 1 by default.
+
+    The squared norm of a target's residuals is on average the sum of their redundancy numbers.
+    """
+    if network.standard is None:
+        return 1.0
+    if damping == "separate":
+        return network.standard
+    sizes = np.maximum(network.block_sizes, 1)
+    return np.asarray(np.sqrt(target_sums(network, network.standard**2) / sizes))
+
+
 def _norms(network: Network, damping: Damping, v_white: FloatArray) -> FloatArray:
-    """Return what the kernel acts on: the norm of each target (..., g), or each residual's size (..., m)."""
+    """Return the norm of each target (..., g), or each residual's size (..., m)."""
     return target_norms(network, v_white) if damping == "joint" else np.abs(v_white)
 
 
@@ -185,15 +203,18 @@ def _stretch(network: Network) -> tuple[IntArray, FloatArray | float]:
 
 
 def _loss(network: Network, kernel: Kernel, damping: Damping, z: FloatArray, prior: FloatArray) -> FloatArray:
+    own = own_sigma(network, damping)
+    z = z / own
     if damping == "separate":
-        return np.asarray(kernel.loss(z, "separate").sum(axis=-1) + 0.5 * prior**2)
+        return np.asarray((kernel.loss(z, "separate") * own**2).sum(axis=-1) + 0.5 * prior**2)
     sizes, stretch = _stretch(network)
     joint = kernel.loss(z / stretch, "joint") * stretch**2
-    return np.asarray(_mixed(sizes, joint, kernel.loss, z).sum(axis=-1) + 0.5 * prior**2)
+    return np.asarray((_mixed(sizes, joint, kernel.loss, z) * own**2).sum(axis=-1) + 0.5 * prior**2)
 
 
 def _weights(network: Network, kernel: Kernel, damping: Damping, z: FloatArray) -> FloatArray:
     """Return one weight per observation (..., m) from the norms."""
+    z = z / own_sigma(network, damping)
     if damping == "separate":
         return kernel.weight(z, "separate") * network.mask
     sizes, stretch = _stretch(network)
@@ -208,7 +229,8 @@ def _kernel_curvature(
 
     The loss of the norm z of v has the second derivative w I + (dw/dz / z) v v'.
     """
-    slopes = a_white * v_white[..., None]
+    slopes, own = a_white * v_white[..., None], own_sigma(network, damping)
+    z = z / own
     if damping == "separate":
         bend = _weight_slope(kernel, "separate", z) * network.mask
     else:
@@ -216,6 +238,7 @@ def _kernel_curvature(
         sizes, stretch = _stretch(network)
         joint = _weight_slope(kernel, "joint", z / stretch) / stretch**2
         bend = _mixed(sizes, joint, lambda single: _weight_slope(kernel, "separate", single), z)
+    bend = bend / own**2
     return np.asarray(np.swapaxes(slopes * bend[..., None], -1, -2) @ slopes)
 
 

@@ -20,7 +20,7 @@ from navfix.adjustment.solve import Solution, Solver
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.geodesy import LocalPlane
-from navfix.kernels import Damping, Kernel
+from navfix.kernels import Damping, Kernel, Standardisation
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray, HeadingHint, Integrity, Position
 from navfix.units import wrap_360
 
@@ -32,6 +32,7 @@ def adjust(
     radar: RadarModel | str = "imo",
     kernel: Kernel | str = "hampel",
     damping: Damping = "joint",
+    standardise: Standardisation = "sigma",
     heading_prior: HeadingHint | None = None,
     range_sigma_m: float | None = None,
     bearing_sigma_deg: float | None = None,
@@ -57,6 +58,8 @@ def adjust(
         ``range_sigma_m`` and ``bearing_sigma_deg`` override both
     kernel : name in models/kernel, path of a TOML file, or a kernel; acts on the standardised residual
     damping : "joint" (one weight per target) or "separate" (one per observation)
+    standardise : by what the kernel's argument is divided: the sigma of the observation, or that of its residual
+        ("gdynia", from the a-priori weights, held fixed)
     heading_prior : heading of a compass with its sigma, an observation like the others; its standardised residual is
         judged in the notes of the fix
     compass_sigma_deg : 1 sigma of the error common to all true bearings; None: the radar model's; 0 holds it at zero
@@ -95,7 +98,9 @@ def adjust(
         compass_sigma_deg=model.compass_sigma_deg if compass_sigma_deg is None else compass_sigma_deg,
     )
     solving.check_counts(problem.network)
-    search = Search(pairs, damper, damping, _given(association, start, problem, mounting), start is not None)
+    search = Search(
+        pairs, damper, damping, _given(association, start, problem, mounting), start is not None, standardise
+    )
     located = locate(search, problem)
     solution = _finished(located, damper, damping, solver)
     return _fix(epoch, association, problem, located, damper, damping, solution, mounting)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from navfix.adjustment.dense import own_sigma
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, effective_sigma, jacobian, residuals
 from navfix.adjustment.whitening import block_covariance
 from navfix.errors import Unobservable
@@ -148,18 +149,16 @@ def _factors(network: Network, kernel: Kernel, damping: Damping, pose: FloatArra
 
     at_pose = jacobian(network, pose)
     if damping == "separate":
-        sigma = effective_sigma(network, at_pose)
-        robust = _robust(kernel, "separate", 1.0)
-        for index in np.flatnonzero(network.mask):
-            yield _factor(network, [int(index)], robust(gtsam.noiseModel.Isotropic.Sigma(1, float(sigma[index]))))
+        sigma, own = effective_sigma(network, at_pose), np.broadcast_to(own_sigma(network, damping), network.kind.shape)
+        for index in np.flatnonzero(network.mask).tolist():
+            robust = _robust(kernel, "separate", float(own[index]))
+            yield _factor(network, [index], robust(gtsam.noiseModel.Isotropic.Sigma(1, float(sigma[index]))))
         return
     covariance = block_covariance(network, at_pose)
-    wraps = {
-        int(size): _robust(kernel, "separate" if size == 1 else "joint", math.sqrt(max(size, 2) / 2.0))
-        for size in np.unique(network.block_sizes)
-    }
-    for block, size, matrix in zip(network.blocks, network.block_sizes, covariance, strict=True):
-        robust = wraps[int(size)]
+    own = np.broadcast_to(own_sigma(network, damping), network.block_sizes.shape)
+    stretch = own * np.sqrt(np.maximum(network.block_sizes, 2) / 2.0)
+    for block, size, matrix, by in zip(network.blocks, network.block_sizes, covariance, stretch, strict=True):
+        robust = _robust(kernel, "separate" if size == 1 else "joint", float(by))
         members, matrix = _in_gtsam_order(network, [int(i) for i in block[:size]], matrix[:size, :size])
         yield _factor(network, members, robust(gtsam.noiseModel.Gaussian.Covariance(matrix)))
 
@@ -211,6 +210,7 @@ def _factor(network: Network, members: list[int], noise: Any) -> Any:
 def _part(network: Network, members: list[int]) -> Network:
     return replace(
         network,
+        standard=None,
         **{name: getattr(network, name)[members] for name in ("kind", "mark", "value", "sigma", "target", "mask")},
     )
 

@@ -35,6 +35,8 @@ class Network:
     target : (m,) observations with the same number belong to one target: they are damped together
     mask : (m,) which observations take part
     heading_prior_rad : heading and its sigma from a compass, or None
+    standard : (m,) sigma of each residual in units of that of its observation, held fixed, by which the kernel's
+        argument is divided; None: the kernel acts on residuals in units of the observations' sigma
     heading_unknown : True when an observation that takes part is a relative bearing
     blocks : (g, K) indices into the observations that take part in one target, -1 where it has fewer than K
     block_sizes : (g,) how many they are
@@ -54,6 +56,7 @@ class Network:
     target: IntArray
     mask: BoolArray
     heading_prior_rad: tuple[float, float] | None = None
+    standard: FloatArray | None = None
     heading_unknown: bool = field(init=False)
     blocks: IntArray = field(init=False)
     block_sizes: IntArray = field(init=False)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from navfix.adjustment.dense import normal_matrix
 from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, jacobian, prior_residual, residuals
 from navfix.adjustment.whitening import back_to_units, whiten, whitened, whitener
 from navfix.kernels import Damping
@@ -17,6 +18,7 @@ CONSPICUOUS = 3.2905  # standardised residual that chance exceeds once in a thou
 GLOBAL_SIGNIFICANCE = 0.05
 FEWEST_DOF = 3.0  # with fewer, sigma0 says too little about the noise and the a priori one is kept
 _NO_REDUNDANCY = 1e-9
+_LEAST_REDUNDANCY = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,6 +110,23 @@ def redundancy_numbers(
     a = jacobian(network, pose)
     effect = _gain(network, a, weights, cofactor, damping)
     return np.asarray(np.clip(1.0 - np.sum(_design(network, a, cofactor) * effect, axis=1), 0.0, 1.0))
+
+
+def by_residual_sigma(network: Network, pose: FloatArray, damping: Damping) -> Network:
+    """Return the network whose kernel arguments are standardised by the residuals' own a-priori sigma at ``pose`` (3,).
+
+    sqrt(r) from the weights before damping, held fixed: computed anew from damped weights it would not settle. An
+    observation that nothing controls keeps a tenth of its sigma.
+
+    References
+    ----------
+    Gdynia stand (Czaplewski et al.), eq. 14-15.
+    """
+    u, undamped = network.unknowns, network.mask.astype(np.float64)
+    matrix = normal_matrix(network, whitened(network, pose, damping)[1], undamped)[:u, :u]
+    cofactor = np.asarray(np.linalg.inv(matrix), np.float64)
+    redundancy = redundancy_numbers(network, pose, undamped, cofactor, damping)
+    return replace(network, standard=np.sqrt(np.maximum(redundancy, _LEAST_REDUNDANCY)))
 
 
 def _design(network: Network, jacobian_: FloatArray, cofactor: FloatArray) -> FloatArray:

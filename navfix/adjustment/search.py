@@ -12,10 +12,11 @@ import numpy as np
 from navfix.adjustment import solve as solving
 from navfix.adjustment.network import TRUE_BEARING, Network
 from navfix.adjustment.pairs import Pair
+from navfix.adjustment.reliability import by_residual_sigma
 from navfix.adjustment.start import Minimum, find_minima, follow, follow_given
 from navfix.adjustment.trials import with_heading
 from navfix.geodesy import LocalPlane, centroid
-from navfix.kernels import Damping, Kernel
+from navfix.kernels import Damping, Kernel, Standardisation
 from navfix.types import FloatArray, Position
 from navfix.units import wrap_360
 
@@ -46,6 +47,7 @@ class Search:
     damping: Damping
     given: tuple[Position, float | None] | None
     only_given: bool
+    standardise: Standardisation = "sigma"
 
     def minima(self, network: Network) -> Found:
         """Find the minima; directions in a plane are true only at its origin.
@@ -60,6 +62,9 @@ class Search:
             plane = LocalPlane(origin)
             network = network.with_marks(plane.all_to_plane(lat, lon))
             minima = self._on_the_plane(network, plane)
+            if self.standardise == "gdynia" and solving.determined(network, minima[0].pose, self.damping):
+                network = by_residual_sigma(network, minima[0].pose, self.damping)
+                minima = self._on_the_plane(network, plane)
             north_m, east_m = (float(x) for x in minima[0].pose[:2])
             there = plane.to_position(north_m, east_m)
             if not north_matters or abs(plane.convergence_deg(there)) < _TURNED_DEG:

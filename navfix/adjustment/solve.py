@@ -165,6 +165,15 @@ def check_rank(network: Network, pose: FloatArray, weights: FloatArray, damping:
         raise Unobservable(f"the geometry leaves {_in_words(vectors[:, 0])} free", direction=tuple(direction.tolist()))
 
 
+def determined(network: Network, pose: FloatArray, damping: Damping) -> bool:
+    """Tell whether all observations together leave no direction free (see `check_rank`)."""
+    try:
+        check_rank(network, pose, network.mask.astype(np.float64), damping)
+    except Unobservable:
+        return False
+    return True
+
+
 def _median_distance(network: Network, pose: FloatArray) -> float:
     marks = network.mark_ne_m[np.unique(network.mark[network.mask])]
     return max(float(np.median(np.hypot(*(marks - pose[:2]).T))), 1.0)

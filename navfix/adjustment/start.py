@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix import catalog
+from navfix.adjustment import gnc
 from navfix.adjustment.dense import Descent, minimise, normal_matrix, observation_weights, saddle_exits
 from navfix.adjustment.network import Network
 from navfix.adjustment.trials import trial_fixes
@@ -52,6 +53,10 @@ def find_minima(
     trials = trial_fixes(network)
     score = consensus(network, trials)
     apart = separation(network, trials[int(np.argmin(score))])
+    if kernel.family == gnc.FAMILY:
+        near = trials[[int(np.argmin(score))]]
+        least_squares = gnc.start_pose(network, catalog.kernel("none"), damping, near)
+        return [_minimum(network, kernel, damping, gnc.graduated(network, kernel, damping, least_squares), 0, "gnc")]
     agreed = trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)]
     names, poses = _starts(
         network, kernel, damping, given, agreed, smooth=not _decided(network, kernel, damping, agreed)

@@ -44,6 +44,13 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         default="joint",
         help="damp what was measured to one target together, or each observation by itself (default: joint)",
     )
+    parser.add_argument(
+        "--standardise",
+        choices=("sigma", "gdynia"),
+        default="sigma",
+        help="the kernel acts on residuals in units of the observation's sigma, or of the residual's own a-priori one "
+        "(gdynia; default: sigma)",
+    )
     options.add_output(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
@@ -53,7 +60,8 @@ def run(args: argparse.Namespace) -> int:
     from navfix.report.fix_json import to_json_line
 
     kernel = options.kernel(args)
-    results = [_solved(name, kernel, args.damping) for name in args.case]
+    manner = {"damping": args.damping, "standardise": args.standardise}
+    results = [_solved(name, kernel, manner) for name in args.case]
     lines = [to_json_line(result.content) for result in results]
     for result in results:
         if result.complaint:
@@ -64,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     return min(result.code for result in results)  # one fix is enough for 0, one readable case for 3
 
 
-def _solved(name: str, kernel: Kernel, damping: str) -> Result:
+def _solved(name: str, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
     """Read and adjust one case; what goes wrong with it does not stop the others."""
     from navfix.adjustment.case import parse_case
     from navfix.errors import InputError, NoFix
@@ -75,7 +83,7 @@ def _solved(name: str, kernel: Kernel, damping: str) -> Result:
         code, complaint = outcome(error)
         return Result("", _nothing(name, "unreadable", complaint), code, complaint)
     try:
-        return _adjusted(case, kernel, damping)
+        return _adjusted(case, kernel, manner)
     except NoFix as error:
         code, complaint = outcome(error)
         return Result("", _nothing(case.name, error.reason, str(error), error), code, f"{name}: {complaint}")
@@ -92,17 +100,17 @@ def _text(name: str) -> str:
         raise InputError(f"{name}: not text; expected a case file, TOML or JSON", source=name) from error
 
 
-def _adjusted(case: Case, kernel: Kernel, damping: Any) -> Result:
+def _adjusted(case: Case, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
     from navfix.adjustment.adjust_case import adjust_case, first_step
     from navfix.errors import NoFix
     from navfix.report.case_text import case_report
 
-    fix = adjust_case(case, kernel=kernel, damping=damping)
+    fix = adjust_case(case, kernel=kernel, **manner)
     step = first_step(case, fix)
     others: dict[str, Fix | NoFix] = {}
     for name in SIDE_BY_SIDE:
         try:
-            others[name] = fix if name == kernel.name else adjust_case(case, kernel=name, damping=damping)
+            others[name] = fix if name == kernel.name else adjust_case(case, kernel=name, **manner)
         except NoFix as error:
             others[name] = error
     others.setdefault(kernel.name, fix)

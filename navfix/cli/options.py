@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 STDIN = "-"
 OUT_SUFFIXES = (".txt", ".json", ".svg", ".geojson", ".html", ".nmea", ".gpx", ".csv")
-KERNELS = "none, huber, hampel, danish, tukey, igg3"
+KERNELS = "none, huber, hampel, danish, tukey, igg3, gnc"
 _INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel")
 
 

@@ -17,7 +17,7 @@ from navfix.adjustment.whitening import whitened
 from navfix.errors import Unobservable
 from tests.adjustment_scenes import mixed_network, plane_scene
 
-KERNELS = ("none", "huber", "hampel", "danish", "tukey", "igg3", "gdynia_linear")
+KERNELS = ("none", "huber", "hampel", "danish", "tukey", "igg3", "gnc", "gdynia_linear")
 TRUTH = np.array([0.0, 0.0, 0.4])
 
 
