@@ -107,7 +107,7 @@ def test_a_scenario_file_outside_the_catalogue_loads(tmp_path: Path) -> None:
 
 
 def test_a_missing_scenario_file_is_said_so(tmp_path: Path) -> None:
-    with pytest.raises(CatalogError, match="none.toml: no such file"):
+    with pytest.raises(CatalogError, match=r"none\.toml: no such file"):
         load(tmp_path / "none.toml")
 
 
