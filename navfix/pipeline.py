@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from datetime import datetime
+from functools import cache
 
-from navfix.adjustment import adjust, mean_fix
+from navfix.adjustment import adjust, graph, mean_fix
 from navfix.association import associate
 from navfix.catalog import AssociationModel, CpdModel, RadarModel
 from navfix.errors import InputError, NoFix
@@ -78,6 +80,7 @@ def answer(
     No fix is an answer too: it is in ``error``, nothing is raised. Pairs by hand are given as ``association``; with
     ``prove`` every other place is excluded by an exhaustive search.
     """
+    _load_libraries()
     clock = _Clock(epoch.build_ms)
     step = "associate"
     cautions: tuple[str, ...] = ()
@@ -147,6 +150,13 @@ def _notes(found: Fix, epoch: Epoch) -> tuple[str, ...]:
     if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
         return ()  # a caution
     return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
+
+
+@cache
+def _load_libraries() -> None:
+    """Import what the first solve needs before its time is taken."""
+    graph.load()
+    importlib.import_module("scipy.optimize")
 
 
 class _Clock:

@@ -13,6 +13,7 @@ bearing and distance of the mark; it is renewed at the solution until that stand
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import math
 from collections.abc import Callable
@@ -52,6 +53,12 @@ class GraphSolution:
 def available() -> bool:
     """Tell whether GTSAM is installed (there are no wheels for Windows)."""
     return importlib.util.find_spec("gtsam") is not None
+
+
+def load() -> None:
+    """Import GTSAM now where it is installed: a quarter of a second that the first solve would pay for otherwise."""
+    if available():
+        importlib.import_module("gtsam")
 
 
 def solve(
