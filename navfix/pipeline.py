@@ -124,7 +124,22 @@ def _plain_mean(epoch: Epoch, association: Association) -> MeanFix | None:
 
 
 def _cautions(association: Association, epoch: Epoch) -> tuple[str, ...]:
-    """Return what the reader must not miss: a compass that the echoes refute."""
+    """Return what the reader must not miss: AIS positions shifted alike, a compass that the echoes refute."""
+    return (*_group_caution(association), *_compass_caution(association, epoch))
+
+
+def _group_caution(association: Association) -> tuple[str, ...]:
+    group = association.second_group
+    if group is None:
+        return ()
+    where = f"{group.offset_m:.0f} m along {group.azimuth_deg:03.0f} deg"
+    return (
+        f"{len(group.targets)} targets agree on another place, {where}: the AIS positions of one of the two groups are "
+        "shifted alike. Check the position with something that is neither.",
+    )
+
+
+def _compass_caution(association: Association, epoch: Epoch) -> tuple[str, ...]:
     hint, found_deg = epoch.heading_hint, association.heading_deg
     if found_deg is None or association.covariance is None:
         return ()
