@@ -124,3 +124,24 @@ def test_distance_networks_of_the_suite_agree_with_gnu_gama(shared_data: Path) -
             assert ours.adjusted == pytest.approx(theirs["adj"], abs=1e-5)
             if ours.standardized is not None:  # theirs are scaled by sigma0 and have no sign
                 assert abs(ours.standardized) / fix.sigma0 == pytest.approx(theirs["std-residual"], abs=2e-3)
+
+
+@pytest.mark.parametrize("name", ["ghilani_15_4", "ghilani_16_1", "lother_strehle", "grossmann"])
+@pytest.mark.parametrize("solver", ["gtsam", "dense"])
+def test_networks_of_angles_and_directions(name: str, solver: Any) -> None:
+    """Place, standard ellipse and, where nothing was reduced, sigma0 and redundancy; also without the start given."""
+    table = read(name)
+    expected, tolerance = table["expected"], table["tolerance"]
+    fix = adjust_case(case_of(table), kernel="none", damping="separate", solver=solver)
+    assert isinstance(fix.position, PlanePosition)
+    assert fix.position.east_m == pytest.approx(expected["east_m"], abs=tolerance["position_m"]["value"])
+    assert fix.position.north_m == pytest.approx(expected["north_m"], abs=tolerance["position_m"]["value"])
+    axes_mm = 1000.0 * np.sqrt(np.linalg.eigvalsh(fix.cofactor_matrix[:2, :2]))
+    allowed = tolerance["semi_axes"]["value"]
+    assert axes_mm == pytest.approx([expected["semi_minor_mm"], expected["semi_major_mm"]], rel=allowed)
+    if "sigma0" in expected:
+        assert fix.sigma0 == pytest.approx(expected["sigma0"], abs=tolerance["sigma0"]["value"])
+        assert fix.redundancy == expected["redundancy"]
+    alone = adjust_case(case_of({key: value for key, value in table.items() if key != "start"}), kernel="none")
+    assert isinstance(alone.position, PlanePosition)
+    assert alone.position.east_m == pytest.approx(fix.position.east_m, abs=1e-4)
