@@ -376,7 +376,8 @@ class AdjustedObservation:
     """One observation after the adjustment; ``unit`` is "m" or "deg", residual = adjusted - observed.
 
     ``standardized`` is residual / (sigma sqrt(redundancy_number)); None where the redundancy number is zero.
-    ``mdb`` is the minimal detectable bias in the same unit; None where nothing could detect it.
+    ``mdb`` is the minimal detectable bias in the same unit; None where nothing could detect it. ``external_m`` is how
+    far an error of that size would move the position (external reliability).
     """
 
     target: str
@@ -390,6 +391,7 @@ class AdjustedObservation:
     redundancy_number: float
     weight: float
     mdb: float | None
+    external_m: float | None = None
 
     @property
     def unit(self) -> str:

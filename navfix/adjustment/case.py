@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from navfix.adjustment.utm import zone_of
 from navfix.errors import InputError
 from navfix.types import ObservationKind, PlanePosition, Position
 
@@ -20,6 +21,7 @@ _PLACE_KEYS: dict[str, tuple[str, str]] = {"plane": ("north_m", "east_m"), "wgs8
 _KINDS: tuple[ObservationKind, ...] = ("range", "true_bearing", "relative_bearing")
 # what a file may say beside the case itself: words for people, and what a published example expects
 _FREE_KEYS = ("name", "title", "source", "note", "expected", "tolerance")
+_KEYS = ("frame", "marks", "observations", "start", "heading_deg", "utm_zone", *_FREE_KEYS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,10 @@ class CaseObservation:
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One adjustment problem. ``start`` and ``heading_deg`` are None where the file gives none."""
+    """One adjustment problem. ``start`` and ``heading_deg`` are None where the file gives none.
+
+    ``utm_zone`` ("34N"): the plane is that of a UTM zone, and results are shown on WGS 84 too.
+    """
 
     name: str
     frame: Frame
@@ -57,6 +62,7 @@ class Case:
     observations: tuple[CaseObservation, ...]
     start: Position | PlanePosition | None = None
     heading_deg: float | None = None
+    utm_zone: str | None = None
 
     @property
     def heading_unknown(self) -> bool:
@@ -83,7 +89,7 @@ def case_of(content: Mapping[str, Any], *, source: str = "case") -> Case:
     InputError : a missing or impossible value, an unknown mark
     """
     reader = _Reader(source)
-    reader.warn_unknown("the case", content, ("frame", "marks", "observations", "start", "heading_deg", *_FREE_KEYS))
+    reader.warn_unknown("the case", content, _KEYS)
     frame: Frame = reader.choice("frame", content, tuple(_PLACE_KEYS))
     marks = tuple(reader.mark(entry, index, frame) for index, entry in enumerate(reader.tables("marks", content)))
     reader.unique("mark", [mark.label for mark in marks])
@@ -93,7 +99,7 @@ def case_of(content: Mapping[str, Any], *, source: str = "case") -> Case:
     )
     start, heading_deg = reader.start(content, frame)
     name = content.get("name", source)
-    case = Case(str(name), frame, marks, observations, start, heading_deg)
+    case = Case(str(name), frame, marks, observations, start, heading_deg, reader.utm_zone(content, frame))
     if case.start is not None and case.heading_unknown and heading_deg is None:
         raise reader.error("start: heading_deg is needed when relative bearings occur; add it, or leave out start")
     return case
@@ -203,6 +209,18 @@ class _Reader:
             raise self.error(f"{where}: use must be true or false, got {_shown(use)}")
         target = self.label("target", table, where) if "target" in table else mark
         return CaseObservation(mark, kind, value, sigma, target, use)
+
+    def utm_zone(self, content: Mapping[str, Any], frame: Frame) -> str | None:
+        value = content.get("utm_zone")
+        if value is None:
+            return None
+        if frame != "plane":
+            raise self.error("utm_zone belongs to frame 'plane'")
+        try:
+            zone_of(str(value))
+        except InputError as error:
+            raise self.error(str(error)) from error
+        return str(value).strip().upper()
 
     def start(self, content: Mapping[str, Any], frame: Frame) -> tuple[Position | PlanePosition | None, float | None]:
         table = content.get("start")

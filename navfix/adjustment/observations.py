@@ -52,6 +52,7 @@ def adjusted_observations(
                 redundancy_number=float(quality.redundancy_number[i]),
                 weight=float(solution.weights[i]),
                 mdb=float(quality.mdb[i]) * unit if testable else None,
+                external_m=float(quality.external_m[i]) if testable else None,
             )
         )
     return tuple(rows)

@@ -48,6 +48,15 @@ class LinearStep:
         """Return A Q A' (m, m), the cofactors of the adjusted observations."""
         return np.asarray(self.design_matrix @ self.cofactors @ self.design_matrix.T)
 
+    @property
+    def residual_cofactors(self) -> FloatArray:
+        """Return P^-1 - A Q A' (m, m), the cofactors of the residuals; NaN on the diagonal where P is zero."""
+        variances = np.divide(1.0, self.weights, out=np.full_like(self.weights, np.nan), where=self.weights > 0.0)
+        adjusted = self.observation_cofactors
+        matrix = -adjusted
+        np.fill_diagonal(matrix, variances - np.diag(adjusted))
+        return matrix
+
 
 def linear_step(network: Network, pose: FloatArray, kernel_weight: FloatArray | None = None) -> LinearStep:
     """Linearise at ``pose`` (3,) and solve once.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from navfix.kernels import Kernel
     from navfix.types import Fix
 
-SUFFIXES = (".txt", ".json")
+SUFFIXES = (".txt", ".json", ".html")
 SIDE_BY_SIDE = ("none", "huber", "hampel", "danish")
 
 
@@ -31,6 +31,7 @@ class Result:
     content: Mapping[str, Any]
     code: int = OK
     complaint: str = ""
+    section: str = ""
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -68,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
             print(f"navfix: {result.complaint}", file=sys.stderr)
     text, as_json = "\n".join(result.text for result in results if result.text), "".join(f"{line}\n" for line in lines)
     print(as_json if args.json else text, end="")
-    options.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json})
+    options.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json, ".html": lambda: _page(results)})
     return min(result.code for result in results)  # one fix is enough for 0, one readable case for 3
 
 
@@ -89,6 +90,13 @@ def _solved(name: str, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
         return Result("", _nothing(case.name, error.reason, str(error), error), code, f"{name}: {complaint}")
 
 
+def _page(results: Sequence[Result]) -> str:
+    from navfix.report.case_html import cases_html, refused_html
+
+    sections = [r.section or refused_html(str(r.content["case"]), str(r.content["message"])) for r in results]
+    return cases_html(sections, "navfix: adjustment")
+
+
 def _text(name: str) -> str:
     if name == options.STDIN:
         return sys.stdin.read()
@@ -103,6 +111,7 @@ def _text(name: str) -> str:
 def _adjusted(case: Case, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
     from navfix.adjustment.adjust_case import adjust_case, first_step
     from navfix.errors import NoFix
+    from navfix.report.case_html import case_html
     from navfix.report.case_text import case_report
 
     fix = adjust_case(case, kernel=kernel, **manner)
@@ -114,19 +123,24 @@ def _adjusted(case: Case, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
         except NoFix as error:
             others[name] = error
     others.setdefault(kernel.name, fix)
-    return Result(case_report(case, step, fix, others), _content(case, fix, step))
+    section = case_html(case, step, fix, others)
+    return Result(case_report(case, step, fix, others), _content(case, fix, step), section=section)
 
 
 def _content(case: Case, fix: Fix, step: LinearStep | None) -> dict[str, Any]:
     """Return the object of a fix with the textbook's matrices, `null` where the first step is singular."""
-    from navfix.report.case_json import textbook_to_dict
+    from navfix.report.case_json import textbook_to_dict, utm_to_dict
     from navfix.report.fix_json import fix_to_dict
 
-    return fix_to_dict(fix) | {"case": case.name} | textbook_to_dict(step)
+    return fix_to_dict(fix) | {"case": case.name, "utm": utm_to_dict(case, fix)} | textbook_to_dict(step)
 
 
 def _nothing(name: str, reason: str, message: str, error: NoFix | None = None) -> dict[str, Any]:
     from navfix.report.case_json import textbook_to_dict
     from navfix.report.fix_json import no_fix_to_dict
 
-    return no_fix_to_dict(error) | {"reason": reason, "message": message, "case": name} | textbook_to_dict(None)
+    return (
+        no_fix_to_dict(error)
+        | {"reason": reason, "message": message, "case": name, "utm": None}
+        | textbook_to_dict(None)
+    )

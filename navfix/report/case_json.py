@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
+from navfix.adjustment.case import Case
 from navfix.adjustment.textbook import LinearStep
+from navfix.adjustment.utm import from_utm
+from navfix.report.fix_json import position_to_dict
 from navfix.report.numbers import plain, plain_matrix
-from navfix.types import FloatArray
+from navfix.types import Fix, FloatArray, PlanePosition
 
 KEYS = ("design_matrix", "free_terms", "weights", "increments", "cofactors", "first_step")
 
@@ -34,7 +35,7 @@ def textbook_to_dict(step: LinearStep | None) -> dict[str, Any]:
         "cofactors": {
             "unknowns": plain_matrix(step.cofactors),
             "adjusted_observations": plain_matrix(adjusted),
-            "residuals": _residual_cofactors(step.weights, adjusted),
+            "residuals": plain_matrix(step.residual_cofactors),
         },
         "first_step": {
             "residuals": _numbers(step.residuals),
@@ -45,12 +46,18 @@ def textbook_to_dict(step: LinearStep | None) -> dict[str, Any]:
     }
 
 
+def utm_to_dict(case: Case, fix: Fix) -> dict[str, Any] | None:
+    """Return where a fix in a UTM plane is on WGS 84, with convergence and scale; None for every other case."""
+    if case.utm_zone is None or not isinstance(fix.position, PlanePosition):
+        return None
+    found = from_utm(fix.position, case.utm_zone)
+    return {
+        "zone": case.utm_zone,
+        "position": position_to_dict(found.position),
+        "convergence_deg": plain(found.convergence_deg),
+        "scale": plain(found.scale, 12),
+    }
+
+
 def _numbers(values: FloatArray) -> list[float | None]:
     return [plain(float(value)) for value in values]
-
-
-def _residual_cofactors(weights: FloatArray, adjusted: FloatArray) -> list[list[float | None]]:
-    variances = np.divide(1.0, weights, out=np.full_like(weights, np.nan), where=weights > 0.0)
-    matrix = -adjusted
-    np.fill_diagonal(matrix, variances - np.diag(adjusted))
-    return plain_matrix(matrix)

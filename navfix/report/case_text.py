@@ -8,13 +8,14 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from navfix.adjustment.case import Case, CaseObservation
 from navfix.adjustment.textbook import LinearStep
+from navfix.adjustment.utm import from_utm
 from navfix.errors import NoFix
 from navfix.report import words
 from navfix.report.tables import clipped, number
 from navfix.types import AdjustedObservation, Fix, PlanePosition, Position
 
-_KIND = {"range": "range", "true_bearing": "true brg", "relative_bearing": "rel. brg"}
-_NAMES = {"none": "classical", "huber": "Huber", "hampel": "Hampel", "danish": "Danish"}
+KIND_NAMES = {"range": "range", "true_bearing": "true brg", "relative_bearing": "rel. brg"}
+KERNEL_NAMES = {"none": "classical", "huber": "Huber", "hampel": "Hampel", "danish": "Danish"}
 
 
 def case_report(case: Case, step: LinearStep | None, fix: Fix, others: Mapping[str, Fix | NoFix]) -> str:
@@ -42,7 +43,7 @@ def _head(case: Case) -> Iterator[str]:
     yield f"frame {case.frame}, {len(case.marks)} marks, {used} observations, unknowns {unknowns}"
     if case.start is not None:
         heading = "" if case.heading_deg is None else f"   heading {words.bearing(case.heading_deg)}"
-        yield f"start {_place(case.start)}{heading}"
+        yield f"start {place_text(case.start)}{heading}"
 
 
 # -------------------------------------------------------------------------------------------------- the first step
@@ -60,7 +61,7 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
         values = (*step.design_matrix[index], step.free_terms[index], step.weights[index], step.residuals[index])
         row = "".join(f"{number(float(value), 10, 6):>11}" for value in values)
         sigma = number(float(step.adjusted_sigma[index]), 8, 3)
-        yield f"{index + 1:>2} {clipped(observation.mark, 8):<9}{_KIND[observation.kind]:<9}{row}{sigma:>9}"
+        yield f"{index + 1:>2} {clipped(observation.mark, 8):<9}{KIND_NAMES[observation.kind]:<9}{row}{sigma:>9}"
     turn = f"   heading {math.degrees(step.increments[2]):+.4f} deg" if heading else ""
     yield f"increments dx   north {step.increments[0]:+.3f} m   east {step.increments[1]:+.3f} m{turn}"
     sigma0 = "not known, no redundancy" if step.sigma0 is None else f"{step.sigma0:.5f}"
@@ -76,9 +77,10 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
 
 def _adjusted(case: Case, fix: Fix) -> Iterator[str]:
     yield f"ADJUSTED with kernel {fix.kernel}, iterated to the end"
-    yield f"position  {_place(fix.position)}"
+    yield f"position  {place_text(fix.position)}"
     if isinstance(fix.position, Position):
         yield f"          {fix.position.lat_deg:.9f}   {fix.position.lon_deg:.9f}"
+    yield from grid_lines(case, fix.position)
     if fix.heading_deg is not None:
         yield f"heading   {fix.heading_deg:.4f} deg +- {math.degrees(math.sqrt(fix.covariance[2, 2])):.4f} (1 sigma)"
     scaling = "scaled by sigma0" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
@@ -102,14 +104,40 @@ def _residuals(given: Sequence[CaseObservation], adjusted: Sequence[AdjustedObse
         mdb = "-" if row.mdb is None else number(row.mdb, 9, 3)
         left_out = "" if observation.use else "  not used"
         yield (
-            f"{index + 1:>2} {clipped(row.mark, 8):<9}{_KIND[row.kind]:<9}{number(row.observed, 12, 4):>13}"
+            f"{index + 1:>2} {clipped(row.mark, 8):<9}{KIND_NAMES[row.kind]:<9}{number(row.observed, 12, 4):>13}"
             f"{number(row.adjusted, 12, 4):>13}{number(row.residual, 10, 4, sign=True):>11}{number(row.sigma, 8, 4):>9}"
             f"{w:>7}{row.redundancy_number:>6.2f}{row.weight:>6.2f}{mdb:>10}{left_out}"
         )
     yield "m or deg; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p kernel weight"
+    yield ""
+    yield from _reliability(adjusted)
 
 
-def _place(place: Position | PlanePosition) -> str:
+def _reliability(adjusted: Sequence[AdjustedObservation]) -> Iterator[str]:
+    head = f"{'no mark':<12}{'kind':<9}{'q(v)':>13}{'mdb':>13}{'external m':>13}"
+    yield head
+    yield "-" * len(head)
+    for index, row in enumerate(adjusted):
+        values = (row.sigma**2 * row.redundancy_number, row.mdb, row.external_m)
+        cells = "".join(f"{'-' if value is None else number(value, 12, 5):>13}" for value in values)
+        yield f"{index + 1:>2} {clipped(row.mark, 8):<9}{KIND_NAMES[row.kind]:<9}{cells}"
+    yield "q(v) = sigma^2 r cofactor of the residual; external: how far an error of the mdb moves the position"
+
+
+def grid_lines(case: Case, place: Position | PlanePosition) -> Iterator[str]:
+    """Yield where a place of the plane is on earth, with convergence and scale, where the case says its UTM zone."""
+    if case.utm_zone is None or not isinstance(place, PlanePosition):
+        return
+    found = from_utm(place, case.utm_zone)
+    yield f"on WGS 84 {words.place(found.position)}   {found.position.lat_deg:.9f}   {found.position.lon_deg:.9f}"
+    yield (
+        f"          UTM {case.utm_zone}: convergence {found.convergence_deg:+.5f} deg (grid = true - it), "
+        f"scale {found.scale:.8f}"
+    )
+
+
+def place_text(place: Position | PlanePosition) -> str:
+    """Return a place as the report writes it."""
     if isinstance(place, PlanePosition):
         return f"N {place.north_m:.4f} m   E {place.east_m:.4f} m"
     return words.place(place)
@@ -134,13 +162,13 @@ def _side_by_side(others: Mapping[str, Fix | NoFix]) -> Iterator[str]:
     yield head
     yield "-" * len(head)
     for kernel, result in others.items():
-        name = _NAMES.get(kernel, kernel)
+        name = KERNEL_NAMES.get(kernel, kernel)
         if isinstance(result, NoFix):
             yield f"{clipped(name, 10):<11}no fix: {clipped(str(result), 80)}"
             continue
         heading = "-" if result.heading_deg is None else f"{result.heading_deg:.3f}"
         yield (
-            f"{clipped(name, 10):<11}{clipped(_place(result.position), 41):<42}{heading:>9}"
+            f"{clipped(name, 10):<11}{clipped(place_text(result.position), 41):<42}{heading:>9}"
             f"{number(result.sigma0, 8, 4):>9}{number(mean_position_error_m(result), 9, 3):>10}   {_damped(result)}"
         )
 
@@ -156,7 +184,7 @@ def _alternatives(fix: Fix) -> Iterator[str]:
         yield f"OTHER MINIMA ({len(fix.alternatives)})"
     for other in fix.alternatives:
         heading = "" if other.heading_deg is None else f"   heading {words.bearing(other.heading_deg)}"
-        yield f"{_place(other.position)}{heading}   score {other.score:.2f}{_apart(fix, other.position)}"
+        yield f"{place_text(other.position)}{heading}   score {other.score:.2f}{_apart(fix, other.position)}"
 
 
 def _apart(fix: Fix, other: object) -> str:

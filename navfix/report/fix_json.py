@@ -146,6 +146,7 @@ def observation_to_dict(observation: AdjustedObservation) -> dict[str, Any]:
         "redundancy_number": plain(observation.redundancy_number),
         "weight": plain(observation.weight),
         "mdb": plain(observation.mdb),
+        "external_m": plain(observation.external_m),
     }
 
 

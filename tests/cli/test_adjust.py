@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -174,3 +176,63 @@ def test_an_input_is_never_overwritten(tmp_path: Path, capsys: pytest.CaptureFix
     case = written(tmp_path, RELATIVE)
     assert main(["adjust", case, "--out", case]) == 2
     assert json.loads(Path(case).read_text(encoding="utf-8")) == RELATIVE
+
+
+def test_the_page_of_the_textbook_report_is_whole_and_needs_nothing_else(tmp_path: Path) -> None:
+    page = tmp_path / "x.html"
+    assert main(["adjust", GDYNIA, written(tmp_path, ONE_RANGE), "--out", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    for word in (
+        "Decision matrix", "First step", "Cofactors of the unknowns", "Cofactors of the residuals", "external m",
+        "classical", "Huber", "Hampel", "Danish", "146.3", "no fix:",
+    ):  # fmt: skip
+        assert word in text, word
+    assert not any(word in text for word in ("http:", "https:", "src=", "<script", "@import"))
+    body = text.replace("<!DOCTYPE html>", "").replace('<meta charset="utf-8">', "")
+    ElementTree.fromstring(re.sub(r"<meta [^>]*>", "", body))
+
+
+def test_a_case_in_utm_is_shown_on_wgs84_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = Path(GDYNIA).read_text(encoding="utf-8")
+    assert main(["adjust", written(tmp_path, 'utm_zone = "34N"\n' + text, "utm.toml")]) == 0
+    out = capsys.readouterr().out
+    assert "on WGS 84" in out
+    assert "convergence -1.7" in out
+    assert "scale 0.9998" in out
+    assert main(["adjust", written(tmp_path, 'utm_zone = "99N"\n' + text, "bad.toml")]) == 4
+    assert "utm_zone" in capsys.readouterr().err
+
+
+def test_the_report_shows_external_reliability_and_the_cofactors_of_the_residuals(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An error of the size of the mdb, put into an observation, moves the position by the external reliability."""
+    case = written(tmp_path, RELATIVE)
+    assert main(["adjust", case, "--kernel", "none"]) == 0
+    assert "external m" in capsys.readouterr().out
+
+    def solved(content: dict[str, Any]) -> dict[str, Any]:
+        assert main(["adjust", written(tmp_path, content, "moved.json"), "--kernel", "none", "--json"]) == 0
+        return lines(capsys)[0]
+
+    plain = solved(RELATIVE)
+    first = plain["observations"][0]
+    bias = 0.01 * first["mdb"]
+    observations = [dict(o) for o in RELATIVE["observations"]]  # type: ignore[attr-defined]
+    observations[0]["value"] += bias
+    moved = solved({**RELATIVE, "observations": observations})
+    shift = math.hypot(*(moved["position"][key] - plain["position"][key] for key in ("north_m", "east_m")))
+    assert 100.0 * shift == pytest.approx(first["external_m"], rel=0.01)
+
+
+def test_the_residuals_may_be_standardised_by_their_own_sigma(capsys: pytest.CaptureFixture[str]) -> None:
+    weights = []
+    for way in ("sigma", "gdynia"):
+        assert main(["adjust", GDYNIA, "--json", "--standardise", way]) == 0
+        weights.append([o["weight"] for o in lines(capsys)[0]["observations"]])
+    assert weights[0] != weights[1]
+
+
+def test_gnc_can_be_chosen(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["adjust", GDYNIA, "--json", "--kernel", "gnc"]) == 0
+    assert lines(capsys)[0]["kernel"] == "gnc"

@@ -24,7 +24,7 @@ KEYS = {
 EXTRA_KEYS = {"truth", "targets", "marks", "notes", "compass_error_deg", "compass_error_sigma_deg"}
 OBSERVATION_KEYS = {
     "target", "mark", "kind", "unit", "observed", "adjusted", "residual", "sigma", "standardized", "redundancy_number",
-    "weight", "mdb",
+    "weight", "mdb", "external_m",
 }  # fmt: skip
 
 
