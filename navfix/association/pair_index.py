@@ -21,7 +21,7 @@ class PairIndex:
 
     @classmethod
     def of(cls, z: ComplexArray, longest_m: float) -> PairIndex:
-        """Index all pairs of marks ``z`` (n,) [m] that are at most ``longest_m`` apart."""
+        """Index all pairs of marks ``z`` (n,) [m] at most ``longest_m`` apart; two in one point have no direction."""
         first, second = _close_pairs(z, longest_m)
         distance_m = np.abs(z[first] - z[second]).astype(np.float32)
         order = np.argsort(distance_m, kind="stable")
@@ -43,7 +43,8 @@ def _close_pairs(z: ComplexArray, longest_m: float) -> tuple[NDArray[np.int32], 
     for begin in range(0, len(z), 256):
         rows = np.arange(begin, min(begin + 256, len(z)))
         columns = np.arange(begin, int(last[rows[-1]]))
-        close = np.abs(z[order[rows]][:, None] - z[order[columns]][None, :]) <= longest_m
+        apart_m = np.abs(z[order[rows]][:, None] - z[order[columns]][None, :])
+        close = (apart_m > 0.0) & (apart_m <= longest_m)
         row, column = np.nonzero(close & (columns[None, :] > rows[:, None]))
         firsts.append(order[rows[row]].astype(np.int32))
         seconds.append(order[columns[column]].astype(np.int32))

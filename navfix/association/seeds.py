@@ -72,7 +72,7 @@ def radar_pairs(scene: Scene, index: PairIndex, model: AssociationModel) -> Rada
     distance_sigma_m = np.sqrt(along_m2 + mark_m2)
     direction_sigma_rad = np.sqrt(across_m2 + mark_m2) / np.maximum(distance_m, 1.0)
     low, high = index.window(distance_m, model.pair_gate_sigma * distance_sigma_m)
-    usable = (direction_sigma_rad < 0.35) & (high > low)
+    usable = (distance_m > 0.0) & (direction_sigma_rad < 0.35) & (high > low)
     cost = (high - low + 1.0) * np.maximum(direction_sigma_rad, 0.25 * np.radians(model.cell_deg))
     order = _spread(
         i, j, np.argsort(np.where(usable, cost, np.inf), kind="stable")[: int(usable.sum())], len(scene.rho)
