@@ -6,8 +6,9 @@ missed is then named; if nothing is, its answers are certified complete within t
 open (weak data), nothing is certified.
 
 The bound, eq. (6.12) of the theory: a target can match only if some mark is within reach of the cell (cell, turn of the
-heading interval, four sigma), and then not better than with no misfit at all; a mark that is in range from everywhere
-in the cell and may be unmatched costs at least what a missed detection costs.
+heading interval, four sigma of target and mark together), and then not better than with no misfit at all; a mark that
+is in range from everywhere in the cell and may be unmatched costs at least what a missed detection costs. A match
+farther off than four sigma counts as none.
 """
 
 from __future__ import annotations
@@ -40,8 +41,8 @@ class Proof:
     """What the exhaustive search found.
 
     ``cells`` cells in all, ``open_cells`` of them not pruned, ``complete`` whether all of these were tried (at most
-    ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of
-    the best, best first; ``missed`` rows of ``answers`` that the fast search did not have.
+    ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of the best, best first; ``missed`` rows of
+    ``answers`` that the fast search did not have.
     """
 
     cells: int
@@ -84,7 +85,7 @@ def prove(found: Search, model: AssociationModel, margin: float | None = None) -
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Cells of position: ``centres`` (g,) complex; ``inside`` (g,) whether any mark can be in radar range."""
+    """Cells of position: ``centres`` (g,) complex [m]; ``missed`` (levels, g) what marks surely in range cost."""
 
     field: Field
     cell_m: float
@@ -137,22 +138,26 @@ class _Grid:
         """Return the cells from which a target can lie on a mark, and on how many marks."""
         scene = self.field.scene
         sigma_m = max(scene.range_sigma_m[target], scene.range_m[target] * scene.bearing_sigma_rad[target])
-        gate_m = GATE_SIGMA * float(np.hypot(sigma_m, np.median(scene.mark_sigma_m)))
-        reach_m = gate_m + scene.range_m[target] * np.radians(CELL_DEG / 2.0) + self.cell_m / np.sqrt(2.0)
-        width = int(np.ceil(reach_m / self.cell_m))
-        offset = np.arange(-width, width + 1)
-        square = np.maximum(np.abs(offset) - 1, 0) * self.cell_m  # nearest that such a cell can be
-        disc = np.hypot(square[:, None], square[None, :]) <= reach_m
-        rows = (
-            np.floor((places - self.corner).real / self.cell_m).astype(np.int64)[:, None, None] + offset[None, :, None]
-        )
-        columns = (
-            np.floor((places - self.corner).imag / self.cell_m).astype(np.int64)[:, None, None] + offset[None, None, :]
-        )
-        valid = disc[None] & (rows >= 0) & (rows < self.north) & (columns >= 0) & (columns < self.east)
-        count = np.bincount((rows * self.east + columns)[valid], minlength=len(self.centres))
+        turned_m = scene.range_m[target] * np.radians(CELL_DEG / 2.0)
+        reach_m = GATE_SIGMA * np.hypot(sigma_m, scene.mark_sigma_m) + turned_m + self.cell_m / np.sqrt(2.0)
+        count = np.zeros(len(self.centres))
+        width = np.ceil(reach_m / self.cell_m).astype(np.int64)
+        for cells_wide in np.unique(width):
+            same = width == cells_wide
+            count += self._count_about(places[same], reach_m[same], int(cells_wide))
         cells = np.flatnonzero(count)
-        return cells, count[cells].astype(np.float64)
+        return cells, count[cells]
+
+    def _count_about(self, places: NDArray[np.complex128], reach_m: FloatArray, width: int) -> FloatArray:
+        """Return how many of the places (k,) are within their reach (k,) of each cell (g,), ``width`` cells at most."""
+        offset = np.arange(-width, width + 1)
+        nearest_m = np.maximum(np.abs(offset) - 1, 0) * self.cell_m  # that such a cell can be
+        disc = np.hypot(nearest_m[:, None], nearest_m[None, :])[None] <= reach_m[:, None, None]
+        row = np.floor((places - self.corner).real / self.cell_m).astype(np.int64)
+        column = np.floor((places - self.corner).imag / self.cell_m).astype(np.int64)
+        rows, columns = row[:, None, None] + offset[:, None], column[:, None, None] + offset
+        valid = disc & (rows >= 0) & (rows < self.north) & (columns >= 0) & (columns < self.east)
+        return np.bincount((rows * self.east + columns)[valid], minlength=len(self.centres)).astype(np.float64)
 
 
 def _least_missed(field: Field, centres: NDArray[np.complex128], cell_m: float) -> FloatArray:
