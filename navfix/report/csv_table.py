@@ -11,7 +11,7 @@ from navfix.report.rows import is_outlier, pair_rows
 
 COLUMNS = (
     "target", "mark", "name", "mmsi", "kind", "unit", "observed", "adjusted", "residual", "sigma", "standardized",
-    "redundancy_number", "weight", "mdb", "outlier", "offset_m", "offset_azimuth_deg",
+    "redundancy_number", "weight", "mdb", "external_m", "outlier", "offset_m", "offset_azimuth_deg",
 )  # fmt: skip
 
 
