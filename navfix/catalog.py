@@ -95,6 +95,8 @@ class AssociationModel:
     clutter_share: list[float]
     detection_level: list[float]
     clutter_kernels_m: list[float]
+    clutter_neighbours: int
+    clutter_floor_m: float
     use_speed: bool
     use_missed: bool
     use_local_clutter: bool

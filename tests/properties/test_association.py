@@ -17,7 +17,7 @@ RECIPE = SceneRecipe(16, 40, 8.0, 12.0, clutter=0.2, false_ais=0.05)
 SEEDS = st.integers(0, 10_000)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(seed=SEEDS, turn_deg=st.floats(0.0, 360.0))
 def test_turning_the_ship_turns_the_heading_and_leaves_the_place(seed: int, turn_deg: float):
     made = make_scene(RECIPE, seed)
@@ -27,7 +27,7 @@ def test_turning_the_ship_turns_the_heading_and_leaves_the_place(seed: int, turn
     assert abs(wrap_180(other.heading_deg - one.heading_deg - turn_deg)) < 0.1
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(seed=SEEDS, lat_deg=st.floats(-85.0, 85.0), lon_deg=st.floats(-180.0, 179.9))
 def test_the_same_scene_elsewhere_on_earth_has_the_same_answer(seed: int, lat_deg: float, lon_deg: float):
     made = make_scene(replace(RECIPE, centre=Position(lat_deg, lon_deg)), seed)
@@ -36,7 +36,7 @@ def test_the_same_scene_elsewhere_on_earth_has_the_same_answer(seed: int, lat_de
     assert abs(wrap_180(found.heading_deg - made.heading_deg)) < 2.0
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(seed=SEEDS)
 def test_a_mirrored_scene_is_refused(seed: int):
     made = make_scene(replace(RECIPE, clutter=0.0, false_ais=0.0), seed)
@@ -45,7 +45,7 @@ def test_a_mirrored_scene_is_refused(seed: int):
         navfix.associate(replace(made.epoch, targets=mirrored))
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(seed=SEEDS, random=st.randoms(use_true_random=False))
 def test_the_order_of_points_changes_nothing(seed: int, random):
     made = make_scene(RECIPE, seed)
