@@ -63,6 +63,8 @@ def notes(network: Network, quality: Quality, solution: Solution, *, prior: str 
     said = [f"solved by {'GTSAM' if solution.solver == 'gtsam' else 'dense normal equations'}"]
     if quality.scaling == "a_priori":
         said.append(f"sigma0 not used: {quality.dof:.1f} degrees of freedom are too few to judge the noise")
+    if quality.global_test is None:
+        said.append("no redundancy: nothing checks these observations, and another place may fit them as exactly")
     if abs(quality.prior_standardized) > CONSPICUOUS:
         said.append(f"the {prior} disagrees with the marks: standardised residual {quality.prior_standardized:.1f}")
     if not network.heading_unknown and np.any(network.kind == TRUE_BEARING):

@@ -42,7 +42,7 @@ class Quality:
     scaling: CovarianceScaling
     covariance: FloatArray
     cofactor: FloatArray
-    global_test: GlobalTest
+    global_test: GlobalTest | None
     prior_standardized: float
     r95_m: float
 
@@ -182,12 +182,12 @@ def _prior_standardized(
     return max(found, key=abs, default=0.0)
 
 
-def global_test(statistic: float, dof: float, *, significance: float = GLOBAL_SIGNIFICANCE) -> GlobalTest:
-    """Test the weighted sum of squared standardised residuals against chi-square (one-sided); passed without dof."""
+def global_test(statistic: float, dof: float, *, significance: float = GLOBAL_SIGNIFICANCE) -> GlobalTest | None:
+    """Test the weighted sum of squared standardised residuals against chi-square (one-sided); None without dof."""
     from scipy.special import gammaincinv
 
     if dof <= 1e-6:
-        return GlobalTest(statistic, max(dof, 0.0), 0.0, True)
+        return None
     threshold = 2.0 * float(gammaincinv(dof / 2.0, 1.0 - significance))
     return GlobalTest(statistic, dof, threshold, statistic <= threshold)
 
