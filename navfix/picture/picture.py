@@ -9,12 +9,16 @@ from datetime import UTC, datetime
 
 from navfix.catalog import RadarModel, radar_model
 from navfix.geodesy import direct
-from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, Record, TargetReport
+from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, Record, TargetReport
 from navfix.picture.scans import Scan, ScanBuilder
 from navfix.picture.traffic import Traffic
-from navfix.types import Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget
+from navfix.types import Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
 
 GYRO_SIGMA_DEG = 1.5
+LOG_SIGMA_MPS, LOG_SIGMA_SHARE = (
+    0.1,
+    0.02,
+)  # IMO MSC.96(72) allows 0.2 kn or 2 % of the speed; taken as 1 sigma, for leeway
 HINT_AGE_S = 10.0
 GNSS_AGE_S = 15.0
 GNSS_SIGMA_M = 10.0
@@ -36,6 +40,7 @@ class Picture:
         self._traffic = Traffic()
         self._scans = ScanBuilder()
         self._heading: OwnHeading | None = None
+        self._speed: OwnSpeed | None = None
         self._gnss: OwnPosition | None = None
 
     def feed(self, record: Record) -> Scan | None:
@@ -47,6 +52,8 @@ class Picture:
                 self._traffic.feed(record)
             case OwnHeading() if record.valid and record.time_s is not None:
                 self._heading = _better_heading(self._heading, record)
+            case OwnSpeed() if record.time_s is not None and not record.from_gnss:
+                self._speed = _better_speed(self._speed, record)
             case OwnPosition() if record.valid and record.time_s is not None:
                 self._gnss = record
             case _:
@@ -66,6 +73,7 @@ class Picture:
             targets=tuple(radar_target(report, self._radar) for report in scan.reports),
             marks=(*marks, *self._charted),
             heading_hint=self._heading_hint(scan.time_s),
+            speed_hint=self._speed_hint(scan.time_s),
             gnss=self._gnss_report(scan.time_s),
             left_out=tuple(sorted(left_out.items())),
             build_ms=round(1e3 * (time.perf_counter() - began_s), 3),
@@ -81,6 +89,16 @@ class Picture:
             return None
         true_deg = heading.heading_deg + (heading.deviation_deg or 0.0) + heading.variation_deg
         return HeadingHint(true_deg % 360.0, 3.0 * GYRO_SIGMA_DEG)
+
+    def _speed_hint(self, at_s: float) -> SpeedHint | None:
+        speed = self._speed
+        if speed is None or speed.time_s is None or abs(at_s - speed.time_s) > HINT_AGE_S:
+            return None
+        along_mps = speed.forward_mps if speed.forward_mps is not None else speed.speed_mps
+        if along_mps is None:
+            return None
+        sigma_mps = max(LOG_SIGMA_MPS, LOG_SIGMA_SHARE * abs(along_mps))
+        return SpeedHint(along_mps, sigma_mps, speed.reference)
 
     def _gnss_report(self, at_s: float) -> GnssReport | None:
         """Return own GNSS at an instant, from sentences or else from own AIS: only ever compared with the fix."""
@@ -170,6 +188,14 @@ def _scans(picture: Picture, records: Iterable[Record]) -> Iterator[Scan]:
     final = picture.flush()
     if final is not None:
         yield final
+
+
+def _better_speed(known: OwnSpeed | None, new: OwnSpeed) -> OwnSpeed:
+    """Prefer a speed over ground (bottom track) over one through the water while it is fresh."""
+    if known is None or new.reference == "ground" or known.reference == "water":
+        return new
+    stale = new.time_s is not None and known.time_s is not None and new.time_s - known.time_s > HINT_AGE_S
+    return new if stale else known
 
 
 def _better_heading(known: OwnHeading | None, new: OwnHeading) -> OwnHeading:

@@ -8,7 +8,7 @@ import pytest
 
 from navfix.catalog import ais_model, radar_model
 from navfix.geodesy import direct, inverse
-from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, TargetReport
+from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, TargetReport
 from navfix.picture import Picture, epochs
 from navfix.picture.hull import hull_shift
 from navfix.picture.motion import carry
@@ -269,3 +269,19 @@ def test_an_old_heading_is_no_hint():
     picture = Picture()
     picture.feed(OwnHeading(T0, 100.0, "true", "HDT"))
     assert picture._heading_hint(T0 + 60.0) is None
+
+
+def test_the_log_gives_a_speed_hint_bottom_track_first_and_never_from_gnss():
+    picture = Picture()
+    assert picture._speed_hint(T0) is None
+    picture.feed(OwnSpeed(T0, "ground", "VTG", speed_mps=9.0, from_gnss=True))
+    assert picture._speed_hint(T0) is None
+    picture.feed(OwnSpeed(T0, "ground", "VBW", forward_mps=5.0, starboard_mps=0.2))
+    picture.feed(OwnSpeed(T0 + 1.0, "water", "VHW", speed_mps=6.0))
+    assert picture._speed_hint(T0 + 2.0).speed_mps == 5.0
+    assert picture._speed_hint(T0 + 2.0).reference == "ground"
+    picture.feed(OwnSpeed(T0 + 30.0, "water", "VHW", speed_mps=6.0))
+    hint = picture._speed_hint(T0 + 31.0)
+    assert (hint.speed_mps, hint.reference) == (6.0, "water")
+    assert hint.sigma_mps == pytest.approx(0.12)
+    assert picture._speed_hint(T0 + 60.0) is None
