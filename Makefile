@@ -20,7 +20,7 @@ help:
 	@echo "make demo   solve a shipped log, write pictures into navfix-demo/"
 	@echo "make test   everything that CI runs: format, lint, types, layers, tests with coverage"
 	@echo "make bench  the long studies and the timings (minutes)"
-	@echo "make pages  write again what is generated: validation page, data list, output and picture in the README"
+	@echo "make pages  write again what is generated: validation page, data list, first example, output and picture in README"
 	@echo "make docs   the documentation as a site, in site/"
 	@echo "make clean  remove .venv and everything that was built"
 
@@ -44,6 +44,7 @@ pages: $(VENV)/.installed
 	$(BIN)/python docs/make_validation.py
 	$(BIN)/python docs/make_data_page.py
 	$(BIN)/python docs/make_readme.py
+	$(BIN)/python docs/make_first_example.py
 
 docs: $(VENV)/.docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

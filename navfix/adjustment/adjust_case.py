@@ -66,7 +66,7 @@ def adjust_case(
         heading_deg = true_heading_deg(origin, there, math.degrees(float(pose[2]))) if network.heading_unknown else None
         return there, heading_deg
 
-    solution = solve(network, kernel, damping, start=_start(case, network, kernel, damping), solver=solver, place=place)
+    solution = solve(network, kernel, damping, start=_start(case), solver=solver, place=place)
     others = tuple(alternative(minimum, place) for minimum in solution.others)
     own, network, solution = _recentred(case, origin, network, solution, kernel, damping, solver)
     quality = assess(network, solution.pose, solution.weights, solution.cofactor, damping)
@@ -87,6 +87,8 @@ def adjust_case(
         integrity=Integrity(quality.r95_m),
         alternatives=others,
         start=solution.start,
+        damping=damping,
+        standardise=standardise,
         notes=notes(network, quality, solution),
     )
 
@@ -110,26 +112,16 @@ def first_step(case: Case, fix: Fix) -> LinearStep | None:
 
 def _standard(case: Case, network: Network, kernel: Kernel, damping: Damping) -> FloatArray | None:
     """Return the a-priori sigma of the residuals, at the place found without it; None where nothing is determined."""
-    start = _start(case, network, kernel, damping)
+    start = _start(case)
     pose = find_minima(network, kernel, damping)[0].pose if start is None else start
     if not determined(network, pose, damping):
         return None
     return by_residual_sigma(network, pose, damping).standard
 
 
-def _start(case: Case, network: Network, kernel: Kernel, damping: Damping) -> FloatArray | None:
-    """Return the pose (3,) to go down from, None for a case without a start.
-
-    A kernel that forgets outliers would stay at a start that is far off, where everything looks like an outlier. Where
-    it keeps less than half of the targets on its way, the Huber estimate that is reached from the start comes first.
-    """
-    if case.start is None:
-        return None
-    start = np.array([0.0, 0.0, math.radians(case.heading_deg or 0.0)])
-    straight = follow(network, kernel, damping, start, "given")
-    if 2 * straight.targets > len(network.blocks):
-        return start
-    return follow(network, catalog.kernel("huber"), damping, start, "huber").pose
+def _start(case: Case) -> FloatArray | None:
+    """Return the pose (3,) to go down from, the origin of the plane; None for a case without a start."""
+    return None if case.start is None else np.array([0.0, 0.0, math.radians(case.heading_deg or 0.0)])
 
 
 def _recentred(

@@ -103,7 +103,8 @@ def adjust(
     )
     located = locate(search, problem)
     solution = _finished(located, damper, damping, solver)
-    return _fix(epoch, association, problem, located, damper, damping, solution, mounting)
+    fix = _fix(epoch, association, problem, located, damper, damping, solution, mounting)
+    return replace(fix, damping=damping, standardise=standardise)
 
 
 def _given(

@@ -51,7 +51,7 @@ class GraphSolution:
 
 @cache
 def available() -> bool:
-    """Tell whether GTSAM is installed (there are no wheels for Windows)."""
+    """Tell whether GTSAM is installed (there are no wheels for Windows and for macOS on Intel)."""
     return importlib.util.find_spec("gtsam") is not None
 
 

@@ -82,7 +82,7 @@ class Search:
         minima = find_minima(network, self.kernel, self.damping, given=(("association", pose),))
         if not self.only_given:
             return minima
-        best = follow_given(network, self.kernel, self.damping, pose)
+        best = follow_given(network, self.kernel, self.damping, pose, minima)
         return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]
 
     def stand_still(self, found: Found) -> Found:

@@ -11,10 +11,11 @@ import numpy as np
 
 from navfix.adjustment import graph
 from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
+from navfix.adjustment.minimal import on_danger_circle
 from navfix.adjustment.network import Network, prior_residual
 from navfix.adjustment.start import Minimum, find_minima, follow_given, separation
 from navfix.adjustment.whitening import whitened
-from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
+from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs, Unobservable
 from navfix.kernels import Damping, Kernel
 from navfix.types import Alternative, FloatArray, PlanePosition, Position, confidence_radius
 from navfix.units import wrap_360, wrap_pi
@@ -73,7 +74,7 @@ def solve(
     check_counts(network)
     minima = find_minima(network, kernel, damping, given=tuple(candidates))
     if start is not None:
-        best = follow_given(network, kernel, damping, np.asarray(start, np.float64))
+        best = follow_given(network, kernel, damping, np.asarray(start, np.float64), minima)
         minima = [best, *(m for m in minima if not same_place(network, m.pose, best.pose))]
     check_solution(network, kernel, damping, minima, place=place, rivals=start is None)
     return finish(network, kernel, damping, minima[0], others=tuple(minima[1:]), solver=solver)
@@ -89,6 +90,8 @@ def check_solution(
     rivals: bool = True,
 ) -> None:
     """Raise what `solve` raises where the first of the minima is no solution."""
+    if rivals and network.redundancy == 0:
+        _check_exact(network, kernel, damping, minima, place or on_the_plane)
     check_rank(network, minima[0].pose, network.mask.astype(np.float64), damping)
     _check_agreement(network, kernel, damping, minima[0])
     if rivals:
@@ -108,8 +111,14 @@ def finish(
 
     GTSAM reports success also where nothing was solved. So its pose must be a stationary point of the dense equations
     (the next step shorter than 1e-4 sigma) and its loss not above that of the start; else the dense solution stands.
+
+    Raises
+    ------
+    InputError : ``solver`` "gtsam" where it is not installed
     """
-    if solver == "gtsam" or (solver == "auto" and graph.available()):
+    if solver == "gtsam" and not graph.available():
+        raise InputError("solver 'gtsam' needs GTSAM, which is not installed here; take 'dense' (the same answer)")
+    if solver != "dense" and graph.available():
         known = observation_weights(network, kernel, damping, minimum.pose)
         found = graph.solve(network, kernel, damping, minimum.pose, weights=known)
         loss = float(total_loss(network, kernel, damping, found.pose))
@@ -162,7 +171,9 @@ def check_rank(network: Network, pose: FloatArray, weights: FloatArray, damping:
     if values[0] * (_HOPELESS_SHARE * reach_m) ** 2 < 1.0 or values[0] < 1e-12 * values[-1]:
         direction = vectors[:, 0] * scale
         direction = direction / np.linalg.norm(direction)
-        raise Unobservable(f"the geometry leaves {_in_words(vectors[:, 0])} free", direction=tuple(direction.tolist()))
+        why = ": own ship and the marks lie on one circle" if on_danger_circle(network, pose) else ""
+        message = f"the geometry leaves {_in_words(vectors[:, 0])} free{why}"
+        raise Unobservable(message, direction=tuple(direction.tolist()))
 
 
 def determined(network: Network, pose: FloatArray, damping: Damping) -> bool:
@@ -234,6 +245,17 @@ def _check_rivals(network: Network, kernel: Kernel, damping: Damping, minima: li
         raise Ambiguous(
             f"{len(rivals) + 1} places explain the data about equally well, up to {apart_m:.0f} m apart",
             alternatives=alternatives,
+        )
+
+
+def _check_exact(network: Network, kernel: Kernel, damping: Damping, minima: list[Minimum], place: Place) -> None:
+    """Raise `Ambiguous` where just enough observations fit in more than one place: nothing is left to choose by."""
+    alike = [m for m in minima if m.loss - minima[0].loss < decisive_gap(kernel, damping)]
+    if len(alike) > 1 and any(determined(network, m.pose, damping) for m in alike):
+        apart_m = max(math.hypot(*(m.pose[:2] - alike[0].pose[:2])) for m in alike)
+        raise Ambiguous(
+            f"no redundancy, and {len(alike)} places fit the observations alike, up to {apart_m:.0f} m apart",
+            alternatives=[alternative(m, place) for m in minima],
         )
 
 

@@ -9,7 +9,8 @@ Huber estimate, the least-squares estimate and any given pose are all followed d
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +29,7 @@ DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
 _AGREES = 3.0  # sigma: nearer than this a target agrees with a trial fix
 _CONSENSUS_STARTS, _FEWEST_STARTS = 5, 3
+_EXACT = 1e-6  # of a loss: all residuals are zero
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
 _ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 3, 10, 60
 
@@ -87,19 +89,26 @@ def follow(network: Network, kernel: Kernel, damping: Damping, start: FloatArray
     return _minimum(network, kernel, damping, minimise(network, kernel, damping, start[None, :]), 0, name)
 
 
-def follow_given(network: Network, kernel: Kernel, damping: Damping, start: FloatArray) -> Minimum:
+def follow_given(
+    network: Network, kernel: Kernel, damping: Damping, start: FloatArray, minima: Sequence[Minimum] = ()
+) -> Minimum:
     """Return the minimum on the side of a start that somebody gave, (3,).
 
     A kernel that forgets outliers stays at a start that is far off, where everything looks like one. So the way over
-    the Huber estimate is tried too, where the straight way keeps no more than half of the targets, and taken where it
-    keeps more.
+    the Huber estimate (least squares, where nothing is redundant) is tried too, where the straight way keeps no more
+    than half of the targets, and taken where it keeps more. Where nothing is redundant, every solution is exact: if
+    the ways end elsewhere, the nearest exact one of the ``minima`` is meant.
     """
     straight = follow(network, kernel, damping, start, "given")
-    if 2 * straight.targets > len(network.blocks):
+    if 2 * straight.targets > len(network.blocks) and (network.redundancy > 0 or straight.loss < _EXACT):
         return straight
-    smooth = follow(network, catalog.kernel("huber"), damping, start, "given")
+    smoother = catalog.kernel("huber" if network.redundancy > 0 else "none")
+    smooth = follow(network, smoother, damping, start, "given")
     led = follow(network, kernel, damping, smooth.pose, "given")
-    return led if led.targets > straight.targets else straight
+    best = led if led.targets > straight.targets or led.loss < _EXACT else straight
+    exact = [m for m in minima if m.loss < _EXACT] if network.redundancy == 0 and best.loss >= _EXACT else []
+    nearest = min(exact, key=lambda m: math.hypot(*(m.pose[:2] - start[:2])), default=best)
+    return replace(nearest, start="given")
 
 
 def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:

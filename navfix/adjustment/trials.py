@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from navfix.adjustment.minimal import index_pairs, minimal_places
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, predict
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
@@ -18,7 +19,8 @@ def trial_fixes(network: Network) -> FloatArray:
     whole = table[(table[:, 0] >= 0) & (table[:, 1] >= 0)]
     poses = [_from_two_marks(network, whole), *_from_known_headings(network, table)]
     if len(whole) < len(table) or not any(len(found) for found in poses):
-        poses += [_from_crossings(network, table), _from_grid(network)]
+        at_most = max(_TRIAL_BUDGET // (4 * len(network.kind)), 60)
+        poses += [with_heading(network, minimal_places(network, at_most)), _from_grid(network)]
     found = np.concatenate(poses)
     return found[np.all(np.isfinite(found), axis=1)]
 
@@ -36,23 +38,13 @@ def _from_two_marks(network: Network, whole: IntArray) -> FloatArray:
     """Solve two targets with range and relative bearing: the baseline gives the heading, its middle the position."""
     if len(whole) < 2:
         return np.empty((0, 3))
-    first, second = _index_pairs(len(whole), max(_TRIAL_BUDGET // len(network.kind), 60))
+    first, second = index_pairs(len(whole), max(_TRIAL_BUDGET // len(network.kind), 60))
     reach, bearing = network.value[whole[:, 0]], network.value[whole[:, 1]]
     seen = reach * np.exp(1j * bearing)  # north + i east, in the ship's axes
     place = _complex(network.mark_ne_m[network.mark[whole[:, 0]]])
     heading = np.angle(place[second] - place[first]) - np.angle(seen[second] - seen[first])
     own = 0.5 * (place[first] + place[second] - np.exp(1j * heading) * (seen[first] + seen[second]))
     return np.stack([own.real, own.imag, heading], axis=1)
-
-
-def _index_pairs(count: int, at_most: int) -> tuple[IntArray, IntArray]:
-    """Return index pairs i < j: all, or an even choice in which every index occurs about as often."""
-    first, second = np.triu_indices(count, 1)
-    if len(first) <= at_most:
-        return first, second
-    strides = np.unique(np.linspace(1, count // 2, max(at_most // count, 1)).astype(np.int64))
-    base = np.unique(np.linspace(0, count - 1, min(count, at_most)).astype(np.int64))
-    return np.tile(base, len(strides)), np.concatenate([(base + stride) % count for stride in strides])
 
 
 def _from_known_headings(network: Network, table: IntArray) -> list[FloatArray]:
@@ -71,44 +63,6 @@ def _backwards(network: Network, ranges: IntArray, bearings: IntArray, heading_r
     ranges, bearings = ranges[both], bearings[both]
     place = _complex(network.mark_ne_m[network.mark[ranges]])
     own = place - network.value[ranges] * np.exp(1j * (network.value[bearings] + heading_rad))
-    return np.stack([own.real, own.imag], axis=1)
-
-
-def _from_crossings(network: Network, table: IntArray) -> FloatArray:
-    """Cross the circles of two ranges and the lines of two true bearings."""
-    circles, lines = table[table[:, 0] >= 0, 0], table[table[:, 2] >= 0, 2]
-    at_most = max(_TRIAL_BUDGET // (4 * len(network.kind)), 60)
-    places = [_circle_crossings(network, circles, at_most), _line_crossings(network, lines, at_most)]
-    return with_heading(network, np.concatenate(places))
-
-
-def _circle_crossings(network: Network, ranges: IntArray, at_most: int) -> FloatArray:
-    if len(ranges) < 2:
-        return np.empty((0, 2))
-    first, second = (ranges[index] for index in _index_pairs(len(ranges), at_most))
-    place, reach = _complex(network.mark_ne_m[network.mark]), network.value
-    baseline = place[second] - place[first]
-    length = np.abs(baseline)
-    apart = length > 0.0
-    first, second, baseline, length = first[apart], second[apart], baseline[apart], length[apart]
-    along = (reach[first] ** 2 - reach[second] ** 2 + length**2) / (2.0 * length)
-    across = np.sqrt(np.maximum(reach[first] ** 2 - along**2, 0.0))
-    unit = baseline / length
-    own = np.concatenate([place[first] + unit * (along + 1j * side * across) for side in (-1.0, 1.0)])
-    return np.stack([own.real, own.imag], axis=1)
-
-
-def _line_crossings(network: Network, bearings: IntArray, at_most: int) -> FloatArray:
-    if len(bearings) < 2:
-        return np.empty((0, 2))
-    first, second = (bearings[index] for index in _index_pairs(len(bearings), at_most))
-    place, direction = _complex(network.mark_ne_m[network.mark]), np.exp(1j * network.value)
-    sine = np.imag(np.conj(direction[first]) * direction[second])
-    usable = np.abs(sine) > 1e-6
-    first, second, sine = first[usable], second[usable], sine[usable]
-    # place_1 - t_1 d_1 = place_2 - t_2 d_2, multiplied by conj(d_2): the imaginary part leaves t_1
-    reach = -np.imag((place[first] - place[second]) * np.conj(direction[second])) / sine
-    own = place[first] - reach * direction[first]
     return np.stack([own.real, own.imag], axis=1)
 
 

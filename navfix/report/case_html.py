@@ -12,7 +12,14 @@ from navfix.adjustment.case import Case
 from navfix.adjustment.textbook import LinearStep
 from navfix.errors import NoFix
 from navfix.report import words
-from navfix.report.case_text import KERNEL_NAMES, KIND_NAMES, grid_lines, mean_position_error_m, place_text
+from navfix.report.case_text import (
+    KERNEL_NAMES,
+    KIND_NAMES,
+    damping_text,
+    grid_lines,
+    mean_position_error_m,
+    place_text,
+)
 from navfix.types import AdjustedObservation, Fix, FloatArray, PlanePosition
 
 _STYLE = """
@@ -112,6 +119,7 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
 
 def _result(case: Case, fix: Fix) -> Iterator[str]:
     yield _heading(f"Adjusted with kernel {fix.kernel}")
+    yield f"<p>{escape(damping_text(fix))}</p>\n"
     yield f"<p>{escape(place_text(fix.position))}</p>\n"
     yield from (f"<p>{escape(line)}</p>\n" for line in grid_lines(case, fix.position))
     if fix.heading_deg is not None:

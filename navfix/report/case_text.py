@@ -77,6 +77,7 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
 
 def _adjusted(case: Case, fix: Fix) -> Iterator[str]:
     yield f"ADJUSTED with kernel {fix.kernel}, iterated to the end"
+    yield f"kernel    {damping_text(fix)}"
     yield f"position  {place_text(fix.position)}"
     if isinstance(fix.position, Position):
         yield f"          {fix.position.lat_deg:.9f}   {fix.position.lon_deg:.9f}"
@@ -134,6 +135,12 @@ def grid_lines(case: Case, place: Position | PlanePosition) -> Iterator[str]:
         f"          UTM {case.utm_zone}: convergence {found.convergence_deg:+.5f} deg (grid = true - it), "
         f"scale {found.scale:.8f}"
     )
+
+
+def damping_text(fix: Fix) -> str:
+    """Return how the kernel was applied: what is damped together, and in which unit it takes a residual."""
+    unit = "sigma of the residual (gdynia)" if fix.standardise == "gdynia" else "sigma of the observation"
+    return f"{fix.damping} damping, in units of the {unit}"
 
 
 def place_text(place: Position | PlanePosition) -> str:

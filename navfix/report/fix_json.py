@@ -31,7 +31,8 @@ ELLIPSE_PROBABILITIES = (0.95, 0.99)
 
 _FIX_KEYS = (
     "position", "heading_deg", "heading_reference", "covariance", "cofactor_matrix", "covariance_scaling", "ellipses",
-    "sigma0", "redundancy", "kernel", "global_test", "observations", "pairs", "unmatched_targets", "unmatched_marks",
+    "sigma0", "redundancy", "kernel", "damping", "standardise", "global_test", "observations", "pairs",
+    "unmatched_targets", "unmatched_marks",
     "ambiguity", "integrity", "compass_error_deg", "compass_error_sigma_deg",
 )  # fmt: skip
 
@@ -84,6 +85,8 @@ def fix_to_dict(fix: Fix) -> dict[str, Any]:
         "sigma0": plain(fix.sigma0),
         "redundancy": int(fix.redundancy),
         "kernel": fix.kernel,
+        "damping": fix.damping,
+        "standardise": fix.standardise,
         "global_test": global_test_to_dict(fix.global_test),
         "observations": [observation_to_dict(observation) for observation in fix.observations],
         **_pairing(epoch, association),

@@ -114,6 +114,7 @@ class Fix:
     not an unknown; covariance = sigma0^2 cofactor_matrix when ``covariance_scaling`` is "a_posteriori".
     ``redundancy`` counts observations minus unknowns; ``dof`` is the weighted count that belongs to sigma0.
     ``compass_error_deg`` with its 1 sigma is what must be added to the true bearings, where it was an unknown.
+    ``damping`` ("joint", "separate") and ``standardise`` ("sigma", "gdynia") say how the kernel was applied.
     """
 
     position: Position | PlanePosition
@@ -136,6 +137,8 @@ class Fix:
     notes: tuple[str, ...] = field(default=())
     compass_error_deg: float | None = None
     compass_error_sigma_deg: float | None = None
+    damping: str = "joint"
+    standardise: str = "sigma"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariance", frozen_array(self.covariance, np.float64))

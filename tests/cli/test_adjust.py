@@ -236,3 +236,26 @@ def test_the_residuals_may_be_standardised_by_their_own_sigma(capsys: pytest.Cap
 def test_gnc_can_be_chosen(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["adjust", GDYNIA, "--json", "--kernel", "gnc"]) == 0
     assert lines(capsys)[0]["kernel"] == "gnc"
+
+
+@pytest.mark.parametrize(
+    ("options", "words", "keys"),
+    [
+        ([], "joint damping, in units of the sigma of the observation", ("joint", "sigma")),
+        (
+            ["--damping", "separate", "--standardise", "gdynia"],
+            "separate damping, in units of the sigma of the residual (gdynia)",
+            ("separate", "gdynia"),
+        ),
+    ],
+)
+def test_the_report_names_damping_and_standardisation(
+    options: list[str], words: str, keys: tuple[str, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = tmp_path / "report.html"
+    assert main(["adjust", GDYNIA, *options, "--out", str(page)]) == 0
+    assert words in capsys.readouterr().out
+    assert words in page.read_text(encoding="utf-8")
+    assert main(["adjust", GDYNIA, *options, "--json"]) == 0
+    content = lines(capsys)[0]
+    assert (content["damping"], content["standardise"]) == keys

@@ -15,7 +15,7 @@ def run(script: Path, *arguments: str, stdin: bytes | None = None) -> subprocess
 
 def test_every_example_is_tested_here(repository: Path):
     examples = {path.name for path in (repository / "docs" / "examples").glob("*.py")}
-    assert examples == {"bridge_integrator.py", "own_epoch.py"}
+    assert examples == {"bridge_integrator.py", "gdynia_test.py", "own_epoch.py"}
 
 
 @pytest.mark.parametrize("by_pipe", [False, True])
@@ -37,6 +37,18 @@ def test_own_epoch_is_fixed_where_own_ship_was(repository: Path):
     lat_deg, _, lon_deg, *_ = done.stdout.decode().split()
     assert float(lat_deg) == pytest.approx(54.1950, abs=5e-4)
     assert float(lon_deg) == pytest.approx(7.6100, abs=8e-4)
+
+
+def test_the_first_example_prints_the_published_figures_and_stands_in_the_docs(repository: Path):
+    done = run(repository / "docs" / "examples" / "gdynia_test.py")
+    assert done.returncode == 0, done.stderr.decode()
+    printed = done.stdout.decode()
+    for figure in ("m0 1.948", "m_P 146.3", "V +1.022", "V -0.131", "V +3.181", "X 360701.7", "Y 6044794.8"):
+        assert figure in printed, figure
+    page = (repository / "docs" / "first_example.md").read_text()
+    program = (repository / "docs" / "examples" / "gdynia_test.py").read_text()
+    assert f"```text\n{printed}```" in page, "run: python docs/make_first_example.py"
+    assert f"```python\n{program}```" in page
 
 
 def test_examples_are_short(repository: Path):
