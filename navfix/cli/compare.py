@@ -23,13 +23,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser = subparsers.add_parser(
         "compare", help="robust fix beside least squares and the plain mean, for one radar scan", description=__doc__
     )
-    options.add_log(parser)
-    options.add_at(parser)
-    options.add_estimation(parser)
-    options.add_association(parser)
-    options.add_evidence(parser)
-    options.add_truth(parser)
-    options.add_output(parser, SUFFIXES)
+    options.add_one_scan(parser, SUFFIXES)
     parser.set_defaults(run=run)
 
 

@@ -14,13 +14,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser = subparsers.add_parser(
         "fix", help="adjusted position and heading of one radar scan of a log", description=__doc__
     )
-    options.add_log(parser)
-    options.add_at(parser)
-    options.add_estimation(parser)
-    options.add_association(parser)
-    options.add_evidence(parser)
-    options.add_truth(parser)
-    options.add_output(parser)
+    options.add_one_scan(parser)
     parser.set_defaults(run=run)
 
 

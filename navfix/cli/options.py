@@ -153,6 +153,17 @@ def add_kernel(parser: argparse._ActionsContainer) -> None:
     )
 
 
+def add_one_scan(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+    """Add LOG and all options of a command that solves one radar scan of it; it can write ``suffixes``."""
+    add_log(parser)
+    add_at(parser)
+    add_estimation(parser)
+    add_association(parser)
+    add_evidence(parser)
+    add_truth(parser)
+    add_output(parser, suffixes)
+
+
 def add_evidence(parser: argparse.ArgumentParser) -> None:
     """Add --chart, --heading-from, --no-prior: what may be used beside radar and AIS."""
     group = parser.add_argument_group("evidence")
