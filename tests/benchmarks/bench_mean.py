@@ -20,6 +20,7 @@ from navfix.adjustment.mean import outlying
 from navfix.adjustment.solve import solve
 from navfix.errors import NoFix
 from tests.adjustment_scenes import Scene, plane_scene
+from tests.benchmarks.bench_mean_geometry import section
 from tests.benchmarks.line_chart import Panel, line_chart
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -132,12 +133,12 @@ def every_cell(runs: int) -> Table:
 # ------------------------------------------------------------------------------------------------------------ output
 
 
-def page(table: Table, runs: int) -> str:
-    """Return docs/robust_vs_mean.md."""
+def page(table: Table, runs: int, geometry: Sequence[str]) -> str:
+    """Return docs/robust_vs_mean.md; ``geometry`` is the table of `bench_mean_geometry`."""
     parts = [_HEAD.format(runs=runs)]
     for agreeing, title in ((False, "Wrong pairs independent of each other"), (True, "Wrong pairs that agree")):
         parts += [f"\n## {title}\n", *_block(table, agreeing)]
-    parts += ["", *_advantage(table)]
+    parts += ["", *_advantage(table), _GEOMETRY.format(runs=runs), *geometry]
     return "\n".join(parts) + "\n"
 
 
@@ -157,6 +158,19 @@ Least squares, Huber, Hampel and Danish choose among several starts; GNC starts 
 ![RMSE over bound against the share of wrong pairs, 20 pairs](images/robust_vs_mean.svg)
 
 Written by `python tests/benchmarks/bench_mean.py`."""
+
+
+_GEOMETRY = """
+## Without gross errors
+
+Here the figure is the mean's own distance from the bound: the fix stands at it (1.00), and nothing could make the
+advantage larger. How far off the mean is depends on geometry, because it gives a far mark, whose bearing is worth 200 m
+across, the weight of a near one. RMSE of the plain mean over that of the fix, 20 marks, 0.5°, {runs} scenes a row, on
+the ellipsoid at 54.5 N. The first two columns are the fair baselines of this page: own ship seen back along the exact
+azimuth, the heading from all pairs by least squares or from CPD with eight starts. The last is the thesis taken at its
+word: clouds in degrees at the origin of the coordinates, where 0.67 % of distortion turns the heading, and back along
+bearing + 180°, which at this latitude shifts the mean to the south.
+"""
 
 
 def _block(table: Table, agreeing: bool) -> Iterator[str]:
@@ -205,9 +219,9 @@ def picture(table: Table) -> str:
 
 def main() -> None:
     """Measure, print, write."""
-    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     table = every_cell(runs)
-    text = page(table, runs)
+    text = page(table, runs, section(runs))
     print(text, end="")
     PAGE.write_text(text, encoding="utf-8")
     PICTURE.write_text(picture(table), encoding="utf-8")

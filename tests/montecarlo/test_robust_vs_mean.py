@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import pytest
 
 from tests.benchmarks.bench_mean import CELLS, ESTIMATORS, Cell, measure, page, picture
+from tests.benchmarks.bench_mean_geometry import measure as geometry
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 NAMES = ("plain mean", "Hampel")
@@ -28,6 +29,14 @@ def test_the_fix_is_near_the_bound_where_wrong_pairs_agree() -> None:
     assert robust.astray == 0.0
 
 
+def test_marks_out_to_the_radar_range_give_the_mean_twice_the_error_of_the_fix() -> None:
+    """No gross errors, 20 marks even in the area of 12 NM: CPD's heading, and the source's way in degrees."""
+    _, (fitting, by_cpd, as_source) = geometry("12 NM disc, even in area, 30 m", 40)
+    print(f"plain mean over fix: heading by fit {fitting:.2f}, by CPD {by_cpd:.2f}, as its source {as_source:.2f}")
+    assert by_cpd > 1.7
+    assert as_source > 2.0
+
+
 def test_the_page_holds_every_cell_and_estimator() -> None:
     text = (DOCS / "robust_vs_mean.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (\d+) \| (\d+) \(\d+ %\) \|(.*)\|$", text, re.MULTILINE)
@@ -40,8 +49,10 @@ def test_the_page_holds_every_cell_and_estimator() -> None:
 def test_page_and_picture_are_made_of_the_table() -> None:
     cells = [Cell(1.0 + index, 2.0 * index, 0.0) for index in range(len(ESTIMATORS))]
     table = {(20, agreeing, wrong): cells for agreeing in (False, True) for wrong in CELLS[20] if wrong or not agreeing}
-    assert "| 20 | 4 (20 %) | 1.00 (0.0) |" in page(table, 7)
-    assert "20 % wrong: 0.1 times" in page(table, 7)
+    written = page(table, 7, ["| geometry |"])
+    assert "| 20 | 4 (20 %) | 1.00 (0.0) |" in written
+    assert "20 % wrong: 0.1 times" in written
+    assert written.endswith("| geometry |\n")
     drawn = ElementTree.fromstring(picture(table))
     texts = [element.text for element in drawn.iter("{http://www.w3.org/2000/svg}text")]
     assert all(texts.count(name) == 2 for name in ESTIMATORS if name != "mean, true heading")
