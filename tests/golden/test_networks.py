@@ -126,7 +126,7 @@ def test_distance_networks_of_the_suite_agree_with_gnu_gama(shared_data: Path) -
                 assert abs(ours.standardized) / fix.sigma0 == pytest.approx(theirs["std-residual"], abs=2e-3)
 
 
-@pytest.mark.parametrize("name", ["ghilani_15_4", "ghilani_16_1", "lother_strehle", "grossmann"])
+@pytest.mark.parametrize("name", ["ghilani_15_4", "ghilani_16_1", "lother_strehle", "grossmann", "carosio"])
 @pytest.mark.parametrize("solver", ["gtsam", "dense"])
 def test_networks_of_angles_and_directions(name: str, solver: Any) -> None:
     """Place, standard ellipse and, where nothing was reduced, sigma0 and redundancy; also without the start given."""
@@ -145,3 +145,52 @@ def test_networks_of_angles_and_directions(name: str, solver: Any) -> None:
     alone = adjust_case(case_of({key: value for key, value in table.items() if key != "start"}), kernel="none")
     assert isinstance(alone.position, PlanePosition)
     assert alone.position.east_m == pytest.approx(fix.position.east_m, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", ["triangle_1", "triangle_2"])
+@pytest.mark.parametrize("solver", ["gtsam", "dense"])
+def test_points_by_intersection_without_redundancy(name: str, solver: Any) -> None:
+    """Directions at two fixed points and nothing else: the place, without a start, and no global test."""
+    table = read(name)
+    fix = adjust_case(case_of(table), solver=solver)
+    assert isinstance(fix.position, PlanePosition)
+    assert fix.position.east_m == pytest.approx(
+        table["expected"]["east_m"], abs=table["tolerance"]["position_m"]["value"]
+    )
+    assert fix.position.north_m == pytest.approx(
+        table["expected"]["north_m"], abs=table["tolerance"]["position_m"]["value"]
+    )
+    assert fix.redundancy == 0
+    assert fix.global_test is None
+
+
+GOLDEN_OF = {
+    "Benning88_Distance_fix": "benning_8_8",
+    "Carosio_DistanceDirection_fix": "carosio",
+    "Ghilani15_4_Angle_fix": "ghilani_15_4",
+    "Ghilani16_1_Traverse": "ghilani_16_1",
+    "Grossmann_Direction_fix": "grossmann",
+    "LotherStrehle_Direction5": "lother_strehle",
+    "StrangBorre_Distance_fix": "strang_borre",
+    "triangle-1": "triangle_1",
+    "triangle-2": "triangle_2",
+}
+WHY_NOT = {
+    "geodet-pc-123": "the observations of Grossmann's network once more, in axes to south and west",
+    "Ghilani15_5_Angle_fix": "three angles at the new point, measured one by one: differences of bearings with errors "
+    "of their own; no set of relative bearings from one heading has that covariance",
+}
+
+
+def test_every_published_single_point_network_is_golden_or_says_why_not(shared_data: Path) -> None:
+    networks = json.loads((shared_data / "adjustment" / "published_networks.json").read_text(encoding="utf-8"))
+    names = {network["name"] for network in networks if len(network["adjusted"]) == 1}
+    assert names == GOLDEN_OF.keys() | WHY_NOT.keys()
+    for name in GOLDEN_OF.values():
+        assert read(name)["source"]
+    by_name = {network["name"]: network for network in networks}
+    observed = [
+        sorted(round(o["obs"] % 400.0, 6) for o in by_name[name]["observations"])
+        for name in ("geodet-pc-123", "Grossmann_Direction_fix")
+    ]
+    assert observed[0] == pytest.approx(observed[1], abs=1e-5)
