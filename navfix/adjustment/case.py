@@ -18,6 +18,7 @@ logger = logging.getLogger(__name__)
 
 Frame = Literal["plane", "wgs84"]
 _PLACE_KEYS: dict[str, tuple[str, str]] = {"plane": ("north_m", "east_m"), "wgs84": ("lat_deg", "lon_deg")}
+_LARGEST, _SMALLEST_SIGMA = 1e9, 1e-9  # of any number in a case, m or deg: squares of more would overflow
 _KINDS: tuple[ObservationKind, ...] = ("range", "true_bearing", "relative_bearing")
 # what a file may say beside the case itself: words for people, and what a published example expects
 _FREE_KEYS = ("name", "title", "source", "note", "expected", "tolerance")
@@ -162,6 +163,8 @@ class _Reader:
         value = table.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
             raise self.error(f"{where}: {key} must be a finite number, got {_shown(value)}")
+        if abs(value) > _LARGEST:
+            raise self.error(f"{where}: {key} must be within +-{_LARGEST:g}, got {value:g}")
         return float(value)
 
     def label(self, key: str, table: Mapping[str, Any], where: str) -> str:
@@ -202,7 +205,7 @@ class _Reader:
         value, sigma = self.number("value", table, where), self.number("sigma", table, where)
         if kind == "range" and value <= 0.0:
             raise self.error(f"{where}: a range must be > 0 m, got {value:g}")
-        if sigma <= 0.0:
+        if sigma < _SMALLEST_SIGMA:
             raise self.error(f"{where}: sigma must be > 0, got {sigma:g}")
         use = table.get("use", True)
         if not isinstance(use, bool):

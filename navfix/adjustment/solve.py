@@ -13,7 +13,7 @@ from navfix.adjustment import graph
 from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
 from navfix.adjustment.minimal import on_danger_circle
 from navfix.adjustment.network import Network, prior_residual
-from navfix.adjustment.start import Minimum, find_minima, follow_given, separation
+from navfix.adjustment.start import Minimum, find_minima, follow_given, on_a_mark, separation
 from navfix.adjustment.whitening import whitened
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs, Unobservable
 from navfix.kernels import Damping, Kernel
@@ -90,6 +90,10 @@ def check_solution(
     rivals: bool = True,
 ) -> None:
     """Raise what `solve` raises where the first of the minima is no solution."""
+    if on_a_mark(network, minima[0].pose):
+        raise Unobservable(
+            "the way ends on a mark, and from there its bearing means nothing", direction="not determined"
+        )
     if rivals and network.redundancy == 0:
         _check_exact(network, kernel, damping, minima, place or on_the_plane)
     check_rank(network, minima[0].pose, network.mask.astype(np.float64), damping)

@@ -17,7 +17,7 @@ import numpy as np
 from navfix import catalog
 from navfix.adjustment import gnc
 from navfix.adjustment.dense import Descent, minimise, normal_matrix, observation_weights, saddle_exits
-from navfix.adjustment.network import Network
+from navfix.adjustment.network import Network, sight
 from navfix.adjustment.trials import trial_fixes
 from navfix.adjustment.whitening import target_norms, whitened
 from navfix.kernels import Damping, Kernel
@@ -29,6 +29,7 @@ DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
 _AGREES = 3.0  # sigma: nearer than this a target agrees with a trial fix
 _CONSENSUS_STARTS, _FEWEST_STARTS = 5, 3
+_ON_A_MARK_M = 1e-3
 _EXACT = 1e-6  # of a loss: all residuals are zero
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
 _ROUGH_STEPS, _COARSE_STEPS, _FINE_STEPS = 3, 10, 60
@@ -97,8 +98,11 @@ def follow_given(
     A kernel that forgets outliers stays at a start that is far off, where everything looks like one. So the way over
     the Huber estimate (least squares, where nothing is redundant) is tried too, where the straight way keeps no more
     than half of the targets, and taken where it keeps more. Where nothing is redundant, every solution is exact: if
-    the ways end elsewhere, the nearest exact one of the ``minima`` is meant.
+    the ways end elsewhere, the nearest exact one of the ``minima`` is meant. On a mark nothing has a direction: from
+    there too the nearest of the ``minima`` is meant.
     """
+    if minima and on_a_mark(network, start):
+        return replace(_nearest(minima, start), start="given")
     straight = follow(network, kernel, damping, start, "given")
     if 2 * straight.targets > len(network.blocks) and (network.redundancy > 0 or straight.loss < _EXACT):
         return straight
@@ -107,8 +111,17 @@ def follow_given(
     led = follow(network, kernel, damping, smooth.pose, "given")
     best = led if led.targets > straight.targets or led.loss < _EXACT else straight
     exact = [m for m in minima if m.loss < _EXACT] if network.redundancy == 0 and best.loss >= _EXACT else []
-    nearest = min(exact, key=lambda m: math.hypot(*(m.pose[:2] - start[:2])), default=best)
-    return replace(nearest, start="given")
+    return replace(_nearest(exact, start) if exact else best, start="given")
+
+
+def _nearest(minima: Sequence[Minimum], start: FloatArray) -> Minimum:
+    return min(minima, key=lambda m: math.hypot(*(m.pose[:2] - start[:2])))
+
+
+def on_a_mark(network: Network, pose: FloatArray) -> bool:
+    """Tell whether a pose (3,) is the place of a mark whose bearing takes part: it has no direction from there."""
+    bearings = network.mask & ~network.is_range
+    return bool(np.any(sight(network, pose).distance[bearings] < _ON_A_MARK_M))
 
 
 def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:

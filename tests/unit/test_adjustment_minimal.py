@@ -188,3 +188,17 @@ def test_curves_that_miss_each_other_give_no_fix_or_a_place_between() -> None:
     network = Network.build([R, R], [0, 1], [4800.0, 4800.0], 20.0, [[0.0, 0.0], [0.0, 10_000.0]])
     with pytest.raises(NoFix):
         adjust_case(as_case(network))
+
+
+@pytest.mark.parametrize("kernel", ["none", "huber", "hampel"])
+def test_a_start_on_a_mark_is_not_the_answer(kernel: str) -> None:
+    """No bearing has a direction there: the descent must not stay, however little the observations agree."""
+    places = [[0.0, 0.0], [500.0, 0.0], [0.0, 800.0]]
+    own = np.array([-60.0, 20.0])
+    off = np.array(places) - own
+    range_m, bearing_rad = np.hypot(*off.T), np.arctan2(off[:, 1], off[:, 0])
+    values = np.column_stack([range_m, bearing_rad]).ravel()
+    network = Network.build([R, B] * 3, [0, 0, 1, 1, 2, 2], values, [5.0, math.radians(0.5)] * 3, places)
+    start = {"north_m": 0.0, "east_m": 0.0, "heading_deg": 0.0}
+    fix = adjust_case(as_case(network, start), kernel=kernel)
+    assert listed([fix.position], own)

@@ -154,3 +154,14 @@ def test_what_cannot_be_right_is_refused_with_file_and_place(changes: dict[str, 
 def test_text_that_is_no_case_is_refused(text: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         parse_case(text)
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "said"),
+    [("sigma", 1e-300, "sigma must be > 0"), ("value", 1e300, "within"), ("sigma", 1e300, "within")],
+)
+def test_numbers_whose_squares_would_overflow_are_refused(where: str, value: float, said: str) -> None:
+    observation = {"mark": "A", "kind": "range", "value": 10.0, "sigma": 1.0} | {where: value}
+    table = {"frame": "plane", "marks": [{"label": "A", "north_m": 0.0, "east_m": 0.0}], "observations": [observation]}
+    with pytest.raises(InputError, match=said):
+        case_of(table)
