@@ -23,6 +23,7 @@ Aid = tuple[AisPosition, str | None]  # an AIS aid, and why it is no mark by its
 VIRTUAL = "virtual aid to navigation"
 OFF_POSITION = "aid off position"
 OFF_STATION = "aid off station"
+FEWEST_ALIKE, ALIKE_M = 2, 60.0  # aids off station by one vector, within what buoys swing
 AIS_NAME_LETTERS = 20  # type 21 cuts a name here unless it carries an extension
 
 
@@ -87,13 +88,17 @@ class ChartedMarks:
         taken = {m.aid[0].mmsi for m in matches}
         added = [i for i in sorted(set(near) | set(confirmed)) if i not in gone]
         charted = [self.marks[i] if i not in confirmed else _confirmed(self.marks[i], confirmed[i]) for i in added]
+        refuted = tuple(_off_station(m, self.marks[m.index]) for m in off)
+        shift_m, shift_azimuth_deg = common_shift(refuted)
         check = ChartCheck(
             charted=len(self.marks),
             in_reach=len(set(near) | set(confirmed)),
             added=sum(i not in confirmed for i in added),
             confirmed=tuple(m.aid[0].mmsi for m in held),
-            off_station=tuple(_off_station(m, self.marks[m.index]) for m in off),
+            off_station=refuted,
             not_charted=tuple(aid.mmsi for aid, why in aids if why is None and aid.mmsi not in taken),
+            shift_m=shift_m,
+            shift_azimuth_deg=shift_azimuth_deg,
         )
         kept = [mark for mark in ais if mark.mmsi not in taken]
         return Joined((*kept, *charted), _recounted(left_out, held, off), check)
@@ -102,16 +107,19 @@ class ChartedMarks:
     def _tree(self) -> cKDTree:
         from scipy.spatial import cKDTree
 
-        return cKDTree(_ecef(self.marks))
+        return cKDTree(self._places)
+
+    @cached_property
+    def _places(self) -> FloatArray:
+        return _ecef(self.marks)
 
     def _in_reach(self, ais: Sequence[Mark], reach_m: float) -> list[int]:
         """Return the charted marks within twice the radar's reach of any AIS mark, the nearest ones if too many."""
         if not ais or not self.marks:
             return list(range(len(self.marks)))
-        centres, places = _ecef(ais), _ecef(self.marks)
         from scipy.spatial import cKDTree
 
-        distance_m, _ = cKDTree(centres).query(places)
+        distance_m, _ = cKDTree(_ecef(ais)).query(self._places)
         near = np.flatnonzero(distance_m <= 2.0 * reach_m)
         order = near[np.argsort(distance_m[near], kind="stable")][: self._model.most_marks]
         return [int(i) for i in order]
@@ -156,6 +164,25 @@ class ChartedMarks:
         gate_m = self._model.gate_sigma * float(np.hypot(_aid_sigma(aid[0], aton), mark.sigma_m))
         same = (mark.mmsi is not None and mark.mmsi == aid[0].mmsi) or same_name(mark.name, aid[0].name)
         return _Match(aid, index, inverse(mark.position, here)[0], gate_m, same)
+
+
+def common_shift(off: Sequence[OffStation]) -> tuple[float, float] | tuple[None, None]:
+    """Return distance [m] and azimuth [deg] of the vector by which aids are off station alike, None where not.
+
+    Two or more that differ from their median by less than `ALIKE_M` are alike: a chart of another datum, or AIS
+    positions that are shifted together. Buoys adrift go their own ways.
+    """
+    vectors = np.array(
+        [aid.distance_m * np.exp(1j * np.radians(aid.azimuth_deg)) for aid in off if not aid.flagged], dtype=complex
+    )
+    if len(vectors) < FEWEST_ALIKE:
+        return None, None
+    middle = complex(np.median(vectors.real), np.median(vectors.imag))
+    alike = np.abs(vectors - middle) <= ALIKE_M
+    if alike.sum() < FEWEST_ALIKE or 2 * alike.sum() <= len(vectors):
+        return None, None
+    shift = complex(vectors[alike].mean())
+    return abs(shift), float(np.degrees(np.angle(shift))) % 360.0
 
 
 def same_name(charted: str | None, ais: str | None) -> bool:

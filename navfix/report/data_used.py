@@ -31,6 +31,18 @@ def off_station_words(aid: OffStation) -> str:
     return f"{who} off station by {'its own word' if aid.flagged else 'AIS'}: {where}; left out"
 
 
+def chart_cautions(epoch: Epoch) -> tuple[str, ...]:
+    """Return what must not be missed: chart and AIS differ by one vector."""
+    check = epoch.chart
+    if check is None or check.shift_m is None or check.shift_azimuth_deg is None:
+        return ()
+    where = f"{words.distance(check.shift_m)} along {words.direction(check.shift_azimuth_deg)}"
+    return (
+        f"AIS aids are off their charted places alike, {where}: the chart's datum is not WGS 84, or the AIS positions "
+        "are shifted together. Check the position with something that is neither.",
+    )
+
+
 def chart_to_dict(check: ChartCheck | None) -> dict[str, Any] | None:
     """Return the check of chart against AIS, None without a chart."""
     if check is None:
@@ -52,6 +64,8 @@ def chart_to_dict(check: ChartCheck | None) -> dict[str, Any] | None:
             for aid in check.off_station
         ],
         "not_charted": list(check.not_charted),
+        "shift_m": plain(check.shift_m),
+        "shift_azimuth_deg": plain(check.shift_azimuth_deg),
     }
 
 

@@ -27,7 +27,8 @@ class ChartCheck:
 
     ``charted`` marks in all files, ``in_reach`` of radar about the AIS picture; ``added`` of them as marks that AIS
     does not show. ``confirmed`` aids (MMSI) lie at their charted place and are one mark with it; ``off_station`` ones
-    are left out; ``not_charted`` ones are kept as AIS gives them.
+    are left out; ``not_charted`` ones are kept as AIS gives them. ``shift_m`` along ``shift_azimuth_deg`` leads from
+    the charted places to AIS where several aids are off station by one vector; None where they are not.
     """
 
     charted: int
@@ -36,6 +37,8 @@ class ChartCheck:
     confirmed: tuple[int, ...] = ()
     off_station: tuple[OffStation, ...] = ()
     not_charted: tuple[int, ...] = ()
+    shift_m: float | None = None
+    shift_azimuth_deg: float | None = None
 
 
 Filter = Literal["newest", "aids", "standing"]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from navfix.catalog import data_folder
 from navfix.cli import main
 from navfix.simulation import files, scenario
 
@@ -100,6 +101,7 @@ def test_chart_marks_alone_give_a_fix(channel: dict[str, Path], capsys: pytest.C
     assert answer["truth"]["distance_m"] < 60.0
     assert answer["chart"] == {
         "charted": 26, "in_reach": 26, "added": 26, "confirmed": [], "off_station": [], "not_charted": [],
+        "shift_m": None, "shift_azimuth_deg": None,
     }  # fmt: skip
     assert answer["choice"]["decision"] == "all"
     assert answer["choice"]["source_choice"] == "aids"
@@ -131,6 +133,29 @@ def test_aids_of_ais_are_confirmed_by_the_chart_and_own_speed_is_not_needed(
     assert "confirm an AIS aid" in out
     assert "as the source's table says" in out
     assert "Choice " in out
+
+
+def test_charted_marks_check_ais_for_a_shift_and_a_chart_of_another_datum_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (data_folder("data") / "scenarios" / "buoyed_channel.toml").read_text(encoding="utf-8") + "gnss = true\n"
+    recording = scenario.simulate(scenario.from_text(text.replace("count = 10", "count = 16")), 1, duration_s=40.0)
+    log, chart, moved = tmp_path / "g.nmea", tmp_path / "g.csv", tmp_path / "moved.csv"
+    log.write_text(files.log_text(recording))
+    chart.write_text(files.chart_csv(recording))
+    rows = [row.split(",", 1) for row in chart.read_text().splitlines()]
+    moved.write_text("\n".join([",".join(rows[0]), *(f"{float(lat) + 0.003:.6f},{rest}" for lat, rest in rows[1:])]))
+    assert main(["fix", str(log), "--chart", str(chart), "--json"]) == 0
+    right = json.loads(capsys.readouterr().out)
+    assert right["gnss"]["verdict"] == "ok"
+    assert any(
+        reason.startswith("checked: the") and "charted marks alone" in reason for reason in right["gnss"]["reasons"]
+    )
+    main(["fix", str(log), "--chart", str(moved), "--json"])
+    wrong = json.loads(capsys.readouterr().out)
+    assert wrong["chart"]["shift_m"] == pytest.approx(334.0, abs=30.0)
+    assert wrong["chart"]["shift_azimuth_deg"] == pytest.approx(180.0, abs=10.0)
+    assert any("datum" in note for note in wrong["notes"])
 
 
 def test_a_chart_with_objects_ashore_alone_needs_the_option(

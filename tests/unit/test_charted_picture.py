@@ -11,8 +11,8 @@ import pytest
 from navfix.geodesy import direct
 from navfix.nmea.records import AisPosition, Record, TargetReport
 from navfix.picture import Picture
-from navfix.picture.charted import ChartedMarks, same_name
-from navfix.types import Epoch, Mark, Position
+from navfix.picture.charted import ChartedMarks, common_shift, same_name
+from navfix.types import Epoch, Mark, OffStation, Position
 
 T0 = datetime(2026, 1, 1, tzinfo=UTC).timestamp()
 HERE = Position(54.0, 8.0)
@@ -159,6 +159,18 @@ def test_thousands_of_charted_marks_are_cut_to_the_nearest_in_little_time() -> N
     assert time.process_time() - began < 1.0
     assert joined.check.in_reach <= 1501
     assert len(joined.marks) <= 1502
+
+
+def test_aids_off_station_alike_tell_the_common_vector_and_buoys_adrift_do_not() -> None:
+    def off(distance_m: float, azimuth_deg: float, flagged: bool = False) -> OffStation:
+        return OffStation(BUOY, None, "C", distance_m, azimuth_deg, flagged)
+
+    distance_m, azimuth_deg = common_shift([off(200.0, 120.0), off(210.0, 122.0), off(900.0, 10.0)])
+    assert distance_m == pytest.approx(205.0, abs=1.0)
+    assert azimuth_deg == pytest.approx(121.0, abs=0.5)
+    assert common_shift([off(200.0, 120.0)]) == (None, None)
+    assert common_shift([off(200.0, 120.0), off(200.0, 300.0)]) == (None, None)
+    assert common_shift([off(200.0, 120.0), off(200.0, 120.0, True)]) == (None, None)
 
 
 @pytest.mark.parametrize(
