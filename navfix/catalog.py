@@ -160,6 +160,8 @@ class ChartModel:
     gate_sigma: float
     named_within_m: float
     nameless_within_m: float
+    sparse_ais: int
+    ais_range_m: float
     most_marks: int
 
 

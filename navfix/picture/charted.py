@@ -24,6 +24,7 @@ VIRTUAL = "virtual aid to navigation"
 OFF_POSITION = "aid off position"
 OFF_STATION = "aid off station"
 FEWEST_ALIKE, ALIKE_M = 2, 60.0  # aids off station by one vector, within what buoys swing
+NAME_LETTERS = 4
 AIS_NAME_LETTERS = 20  # type 21 cuts a name here unless it carries an extension
 
 
@@ -77,13 +78,13 @@ class ChartedMarks:
         ----------
         ais : marks of the AIS picture; without any, every charted mark takes part
         aids : AIS aids, also those that are no marks by themselves
-        reach_m : how far radar sees now; a charted mark farther than twice this from every AIS mark cannot matter
+        reach_m : how far radar sees now; a charted mark farther than twice this from an AIS mark is not seen with it
         """
         near = self._in_reach(ais, reach_m)
         matches = self._matches(aids)
         off = [m for m in matches if m.flagged or m.apart_m > m.gate_m]
         held = [m for m in matches if not m.flagged and m.apart_m <= m.gate_m]
-        gone = {m.index for m in off if m.by_name}  # unnamed, the charted mark may well be in its place
+        gone = {m.index for m in off if m.by_name or m.flagged}  # otherwise the charted mark may be in its place
         confirmed = {m.index: m.aid[0] for m in held}
         taken = {m.aid[0].mmsi for m in matches}
         added = [i for i in sorted(set(near) | set(confirmed)) if i not in gone]
@@ -110,17 +111,26 @@ class ChartedMarks:
         return cKDTree(self._places)
 
     @cached_property
+    def _by_mmsi(self) -> dict[int, int]:
+        return {mark.mmsi: i for i, mark in enumerate(self.marks) if mark.mmsi is not None}
+
+    @cached_property
     def _places(self) -> FloatArray:
         return _ecef(self.marks)
 
     def _in_reach(self, ais: Sequence[Mark], reach_m: float) -> list[int]:
-        """Return the charted marks within twice the radar's reach of any AIS mark, the nearest ones if too many."""
+        """Return the charted marks near any AIS mark, eq. (C.4), the nearest ones if too many.
+
+        Where AIS shows only a few, own ship may well be near none of them: then its own range is the limit.
+        """
         if not ais or not self.marks:
             return list(range(len(self.marks)))
         from scipy.spatial import cKDTree
 
         distance_m, _ = cKDTree(_ecef(ais)).query(self._places)
-        near = np.flatnonzero(distance_m <= 2.0 * reach_m)
+        sparse = len(ais) < self._model.sparse_ais
+        within_m = self._model.ais_range_m + reach_m if sparse else 2.0 * reach_m
+        near = np.flatnonzero(distance_m <= within_m)
         order = near[np.argsort(distance_m[near], kind="stable")][: self._model.most_marks]
         return [int(i) for i in order]
 
@@ -143,11 +153,10 @@ class ChartedMarks:
     def _candidates(self, aid: Aid) -> list[_Match]:
         report, why = aid
         here, model = _position(report), self._model
+        own = self._by_mmsi.get(report.mmsi)
         around = self._tree.query_ball_point(ecef(here.lat_deg, here.lon_deg), model.named_within_m)
-        matches = [self._match(aid, here, int(i)) for i in around]
+        matches = [self._match(aid, here, int(i)) for i in (around if own is None else [own])]
         known = [m for m in matches if m.by_name]
-        if any(self.marks[m.index].mmsi == report.mmsi for m in known):
-            known = [m for m in known if self.marks[m.index].mmsi == report.mmsi]
         if why == VIRTUAL:  # nothing floats off station where nothing floats
             return [m for m in known or matches if m.apart_m <= m.gate_m]
         if known:
@@ -186,12 +195,15 @@ def common_shift(off: Sequence[OffStation]) -> tuple[float, float] | tuple[None,
 
 
 def same_name(charted: str | None, ais: str | None) -> bool:
-    """Tell whether two names mean one aid: the same letters and digits, as far as AIS spells them."""
+    """Tell whether two names mean one aid: the same letters and digits, as far as AIS spells them.
+
+    Less than `NAME_LETTERS` of them, such as a bare number, name an aid only within its own channel.
+    """
     if not charted or not ais:
         return False
     one, other = ("".join(c for c in text.upper() if c.isalnum()) for text in (charted, ais))
     cut = len(ais.strip()) >= AIS_NAME_LETTERS - 1
-    return bool(one) and bool(other) and (one == other or (cut and one.startswith(other)))
+    return len(other) >= NAME_LETTERS and (one == other or (cut and one.startswith(other)))
 
 
 def _aid_sigma(report: AisPosition, model: AisModel) -> float:
