@@ -9,7 +9,7 @@ from navfix.chart.records import ChartObject
 from navfix.geodesy import ecef
 from navfix.types import FloatArray
 
-_RANK = {"structure": 0, "equipment": 1, "land": 2, "appendage": 3, "virtual": 4}
+_RANK = {"structure": 0, "land": 1, "equipment": 2, "appendage": 3, "virtual": 4}
 
 
 def merge(objects: Sequence[ChartObject], within_m: float) -> list[ChartObject]:
