@@ -152,10 +152,12 @@ class ChartedMarks:
 
     def _candidates(self, aid: Aid) -> list[_Match]:
         report, why = aid
-        here, model = _position(report), self._model
+        place, model = _position(report), self._model
+        here = ecef(place.lat_deg, place.lon_deg)
         own = self._by_mmsi.get(report.mmsi)
-        around = self._tree.query_ball_point(ecef(here.lat_deg, here.lon_deg), model.named_within_m)
-        matches = [self._match(aid, here, int(i)) for i in (around if own is None else [own])]
+        around = self._tree.query_ball_point(here, model.named_within_m) if own is None else [own]
+        apart_m = np.linalg.norm(self._places[around] - here, axis=-1)  # the chord: within a millimetre at 3 NM
+        matches = [self._match(aid, int(i), float(d)) for i, d in zip(around, apart_m, strict=True)]
         known = [m for m in matches if m.by_name]
         if why == VIRTUAL:  # nothing floats off station where nothing floats
             return [m for m in known or matches if m.apart_m <= m.gate_m]
@@ -168,11 +170,11 @@ class ChartedMarks:
         ]
         return nameless + [m for m in matches if m.apart_m <= m.gate_m and self.marks[m.index].name is not None]
 
-    def _match(self, aid: Aid, here: Position, index: int) -> _Match:
+    def _match(self, aid: Aid, index: int, apart_m: float) -> _Match:
         mark, aton = self.marks[index], ais_model("aton")
         gate_m = self._model.gate_sigma * float(np.hypot(_aid_sigma(aid[0], aton), mark.sigma_m))
         same = (mark.mmsi is not None and mark.mmsi == aid[0].mmsi) or same_name(mark.name, aid[0].name)
-        return _Match(aid, index, inverse(mark.position, here)[0], gate_m, same)
+        return _Match(aid, index, apart_m, gate_m, same)
 
 
 def common_shift(off: Sequence[OffStation]) -> tuple[float, float] | tuple[None, None]:
@@ -218,10 +220,8 @@ def _confirmed(mark: Mark, report: AisPosition) -> Mark:
 
 def _off_station(match: _Match, mark: Mark) -> OffStation:
     report = match.aid[0]
-    azimuth_deg = inverse(mark.position, _position(report))[1]
-    return OffStation(
-        report.mmsi, report.name, mark.name or mark.label, match.apart_m, azimuth_deg % 360.0, match.flagged
-    )
+    distance_m, azimuth_deg, *_ = inverse(mark.position, _position(report))
+    return OffStation(report.mmsi, report.name, mark.name or mark.label, distance_m, azimuth_deg % 360.0, match.flagged)
 
 
 def _recounted(left_out: Mapping[str, int], held: Sequence[_Match], off: Sequence[_Match]) -> dict[str, int]:

@@ -60,7 +60,7 @@ def chart_text(chart: Chart, rows: Sequence[Listed]) -> str:
         lines += ["", *textwrap.wrap(f"Objects in the files, before those in one place were merged: {read}", 100)]
     lines += [str(problem)[:100] for problem in chart.passed_over]
     away = any(row.distance_m is not None for row in rows)
-    head = f"{'name':<32}{'type':<22}{'':<1}{'position':<27}{'sigma m':>7}"
+    head = f"{'name':<28}{'type':<23}{'position':<31}{'sigma m':>7}"
     lines += ["", head + (f"{'distance':>11}" if away else "")]
     lines += [_line(row, away) for row in rows]
     return "\n".join(line.rstrip() for line in lines)
@@ -117,9 +117,9 @@ def _by_class(rows: Sequence[Listed]) -> list[tuple[str, int]]:
 
 
 def _line(row: Listed, away: bool) -> str:
-    name = (row.item.name or row.item.label)[:31]
+    name = (row.item.name or row.item.label)[:27]
     place = words.place(row.item.position)
-    line = f"{name:<32}{row.item.chart_class.words[:21]:<23}{place:<27}{row.sigma_m:>7.1f}"
+    line = f"{name:<28}{row.item.chart_class.words[:22]:<23}{place:<31}{row.sigma_m:>7.1f}"
     return line + (f"{words.short_distance(row.distance_m or 0.0):>11}" if away else "")
 
 

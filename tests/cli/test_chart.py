@@ -61,7 +61,9 @@ def test_near_limits_and_sorts_in_miles_or_metres(chart: Path, capsys: pytest.Ca
     assert [mark["name"] for mark in content["marks"]] == ["Tower"]
     assert content["marks"][0]["distance_m"] == pytest.approx(0.0, abs=1e-3)
     assert main(["chart", str(chart), "--near", "54.15,7.2,4NM", "--land"]) == 0
-    assert "Church" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "Church" in out
+    assert max(map(len, out.splitlines())) <= 100
 
 
 @pytest.mark.parametrize("near", ["54,7", "54,7,x", "54,7,-1", "95,7,1", "54,7,nan", "54,7,0m"])
