@@ -140,6 +140,31 @@ class CpdModel:
     least_probability: float
 
 
+@dataclass(frozen=True, slots=True)
+class ChartModel:
+    """How well a chart knows where an echo is, and when an AIS aid is a charted one (see models/chart/aids.toml)."""
+
+    name: str
+    title: str
+    source: str
+    fixed_sigma_m: float
+    sinker_sigma_m: float
+    land_sigma_m: float
+    chain_per_depth: float
+    tide_m: float
+    default_depth_m: float
+    largest_depth_m: float
+    largest_extent_m: float
+    colocated_m: float
+    same_object_m: float
+    gate_sigma: float
+    named_within_m: float
+    nameless_within_m: float
+    sparse_ais: int
+    ais_range_m: float
+    most_marks: int
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -159,6 +184,11 @@ def radar_model(name: str | RadarModel) -> RadarModel:
 def ais_model(name: str | AisModel) -> AisModel:
     """Return an AIS class by name in models/ais ("class_a", "class_b", "aton"), or the record itself."""
     return name if isinstance(name, AisModel) else _load("ais", name, AisModel)
+
+
+def chart_model(name: str | ChartModel = "aids") -> ChartModel:
+    """Return the sigmas and gates of charted marks by name in models/chart, or the record itself."""
+    return name if isinstance(name, ChartModel) else _load("chart", name, ChartModel)
 
 
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:

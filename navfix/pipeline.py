@@ -19,6 +19,7 @@ from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
 from navfix.report.answer import Answer
+from navfix.report.data_used import chart_cautions
 from navfix.types import Association, Epoch, Fix, Mark, MeanFix
 from navfix.units import wrap_180
 
@@ -83,12 +84,12 @@ def answer(
     _load_libraries()
     clock = _Clock(epoch.build_ms)
     step = "associate"
-    cautions: tuple[str, ...] = ()
+    cautions = chart_cautions(epoch)
     try:
         if association is None:
             association = associate(epoch, method=method, radar=radar, prove=prove)
         clock.lap(step)
-        step, cautions = "adjust", _cautions(association, epoch)
+        step, cautions = "adjust", (*cautions, *_cautions(association, epoch))
         found = with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
         clock.lap(step)
     except NoFix as error:

@@ -32,9 +32,9 @@ def run(args: argparse.Namespace) -> int:
     from navfix.association import associate
     from navfix.comparison import compare
 
-    solving.refuse(args, ["chart"])
-    track = solving.truth_track(args)
-    epoch = solving.one_epoch(solving.read(args.log), args)
+    track, charted = solving.truth_track(args), solving.charted_marks(args)
+    log = solving.read(args.log, charted=bool(charted))
+    epoch = solving.one_epoch(log, args, charted)
     radar = options.radar(args)
     truth = track.at(epoch.time_utc.timestamp()) if track and epoch.time_utc else None
     by_hand = solving.pairs_by_hand(epoch, args)

@@ -22,9 +22,9 @@ def run(args: argparse.Namespace) -> int:
     """Solve the scan, print the report, write the files."""
     from navfix.report.writers import render
 
-    solving.refuse(args, ["chart"])
-    track = solving.truth_track(args)
-    answer = solving.solve(solving.one_epoch(solving.read(args.log), args), args, track)
+    track, charted = solving.truth_track(args), solving.charted_marks(args)
+    log = solving.read(args.log, charted=bool(charted))
+    answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)
     if answer.error is not None:

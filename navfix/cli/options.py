@@ -165,7 +165,7 @@ def add_one_scan(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_
 
 
 def add_evidence(parser: argparse.ArgumentParser) -> None:
-    """Add --chart, --heading-from, --no-prior: what may be used beside radar and AIS."""
+    """Add --chart, --chart-land, --choice, --heading-from, --no-prior: what may be used beside radar and AIS."""
     group = parser.add_argument_group("evidence")
     group.add_argument(
         "--chart",
@@ -173,7 +173,14 @@ def add_evidence(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         type=Path,
-        help="chart file with more marks (repeatable)",
+        help="chart with more marks: .csv, .geojson, or an S-57 cell .000 (repeatable)",
+    )
+    group.add_argument("--chart-land", action="store_true", help="also conspicuous charted objects ashore")
+    group.add_argument(
+        "--choice",
+        choices=("all", "source"),
+        default="all",
+        help="use all data (default), or those that the decision table of the source picks",
     )
     group.add_argument(
         "--heading-from",

@@ -44,16 +44,16 @@ def run(args: argparse.Namespace) -> int:
     from navfix.integrity import AisVeracity, GnssMonitor
     from navfix.report.writers import render
 
-    solving.refuse(args, ["chart", "window"])
+    solving.refuse(args, ["window"])
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
-    track = solving.truth_track(args)
-    log = solving.read(args.log)
+    track, charted = solving.truth_track(args), solving.charted_marks(args)
+    log = solving.read(args.log, charted=bool(charted))
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
-    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
+    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
         if count % args.every:
             continue
-        answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
+        answer = pipeline.watched(solving.solve(solving.as_asked(epoch, args), args, track), monitor)
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:

@@ -42,7 +42,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         type=partial(options.output_file, suffixes=SUFFIXES),
         help="write the log to FILE.nmea, FILE_truth.csv and FILE_assoc.csv beside it (default: the log on stdout)",
     )
-    for name, what in (("truth", "own ship's truth"), ("assoc", "which target is which MMSI")):
+    for name, what in (
+        ("truth", "own ship's truth"),
+        ("assoc", "which target is which MMSI"),
+        ("chart", "the aids to navigation as a chart"),
+    ):
         parser.add_argument(
             f"--{name}-out",
             metavar="CSV",
@@ -71,6 +75,9 @@ def run(args: argparse.Namespace) -> int:
         return OK
     try:
         paths = files.write_files(recording, args.out[0], args.truth_out, args.assoc_out)
+        if args.chart_out is not None:
+            args.chart_out.write_text(files.chart_csv(recording), encoding="ascii", newline="\n")
+            paths.append(args.chart_out)
     except OSError as error:
         raise CommandError(f"{error.filename}: cannot be written: {error.strerror}") from error
     print(summary(recording, paths))
@@ -109,15 +116,16 @@ def _check_outputs(args: argparse.Namespace) -> None:
     if len(args.out) > 1:
         raise CommandError(f"simulate writes one log, got {len(args.out)} times --out")
     if not args.out:
-        if args.truth_out or args.assoc_out:
-            raise CommandError("--truth-out and --assoc-out need --out FILE.nmea")
+        if args.truth_out or args.assoc_out or args.chart_out:
+            raise CommandError("--truth-out, --assoc-out and --chart-out need --out FILE.nmea")
         return
     from navfix.simulation.files import companions
 
     paths = companions(args.out[0], args.truth_out, args.assoc_out)
+    paths += [args.chart_out] if args.chart_out else []
     scenario = Path(args.scenario).resolve()
     for index, path in enumerate(paths):
         if path.resolve() == scenario:
             raise CommandError(f"{path} is the scenario file; an input is never overwritten")
         if path.resolve() in {other.resolve() for other in paths[:index]}:
-            raise CommandError(f"{path} is named for two of log, truth and association")
+            raise CommandError(f"{path} is named for two of log, truth, association and chart")

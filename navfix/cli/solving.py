@@ -11,25 +11,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from navfix.cli import options
-from navfix.cli.errors import NO_FIX, CommandError
+from navfix.cli.errors import NO_FIX, UNREADABLE, CommandError
 
 if TYPE_CHECKING:
     from navfix.catalog import AssociationModel, CpdModel
     from navfix.nmea import Log
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
-    from navfix.types import Association, Epoch
+    from navfix.types import Association, Epoch, Mark
 
 _logger = logging.getLogger(__name__)
 
 
-def read(path: str) -> Log:
-    """Read LOG ("-": standard input); it must hold radar targets and AIS.
+def read(path: str, *, charted: bool = False) -> Log:
+    """Read LOG ("-": standard input); it must hold radar targets, and AIS unless a chart stands in for it.
 
     Raises
     ------
     InputError : nothing readable
-    CommandError : readable, but without radar or without AIS (no fix can follow)
+    CommandError : readable, but without radar, or without AIS and chart (no fix can follow)
     """
     from navfix.errors import InputError
     from navfix.nmea import read_log
@@ -45,7 +45,7 @@ def read(path: str) -> Log:
     if not log.records:
         first = f"; {log.problems[0]}" if log.problems else ""
         raise InputError(f"{path}: nothing readable, expected NMEA sentences{first}", source=path)
-    ais = any(not report.own for report in log.of(AisPosition))
+    ais = charted or any(not report.own for report in log.of(AisPosition))
     lacking = [word for word, there in (("radar targets (TTM)", log.of(TargetReport)), ("AIS (VDM)", ais)) if not there]
     if lacking:
         raise CommandError(f"{path}: no fix: the log holds no {' and no '.join(lacking)}", NO_FIX)
@@ -60,6 +60,24 @@ def read(path: str) -> Log:
     return log
 
 
+def charted_marks(args: argparse.Namespace) -> tuple[Mark, ...]:
+    """Return the marks of every --chart; none without.
+
+    Raises
+    ------
+    InputError : a chart that cannot be read; CommandError : charts without a single mark
+    """
+    if not args.chart:
+        return ()
+    from navfix.chart import marks, read_charts
+
+    chart = read_charts(args.chart)
+    found = marks(chart.objects, land=args.chart_land)
+    if not found:
+        raise CommandError(f"{chart.name}: no mark in it (objects ashore count with --chart-land)", UNREADABLE)
+    return found
+
+
 def truth_track(args: argparse.Namespace) -> TruthTrack | None:
     """Read --truth where it is given."""
     if args.truth is None:
@@ -70,7 +88,7 @@ def truth_track(args: argparse.Namespace) -> TruthTrack | None:
         return TruthTrack.parse(lines, source=str(args.truth))
 
 
-def one_epoch(log: Log, args: argparse.Namespace) -> Epoch:
+def one_epoch(log: Log, args: argparse.Namespace, charted: Sequence[Mark] = ()) -> Epoch:
     """Return the epoch that --at chooses, or that of the last complete scan.
 
     Raises
@@ -79,10 +97,20 @@ def one_epoch(log: Log, args: argparse.Namespace) -> Epoch:
     """
     from navfix import pipeline
 
-    epoch = next(pipeline.epochs(log, radar=options.radar(args), at=args.at, last=args.at is None), None)
+    epochs = pipeline.epochs(log, radar=options.radar(args), charted=charted, at=args.at, last=args.at is None)
+    epoch = next(epochs, None)
     if epoch is None:
         when = "" if args.at is None else f" at {args.at:%Y-%m-%dT%H:%M:%SZ}"
         raise CommandError(f"{args.log}: no fix: no complete radar scan{when}", NO_FIX)
+    return as_asked(epoch, args)
+
+
+def as_asked(epoch: Epoch, args: argparse.Namespace) -> Epoch:
+    """Take out what the options exclude: the data that --choice source leaves, then the hints."""
+    from navfix.picture.choice import as_the_source_chooses
+
+    if getattr(args, "choice", "all") == "source":
+        epoch = as_the_source_chooses(epoch)
     return without_hints(epoch, args)
 
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from datetime import UTC, datetime
 
 from navfix.catalog import RadarModel, radar_model
 from navfix.geodesy import direct
 from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, Record, TargetReport
+from navfix.picture.charted import ChartedMarks
+from navfix.picture.choice import choose
 from navfix.picture.scans import Scan, ScanBuilder
 from navfix.picture.traffic import Traffic
-from navfix.types import Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
+from navfix.types import ChartCheck, Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
 
 GYRO_SIGMA_DEG = 1.5
 LOG_SIGMA_MPS, LOG_SIGMA_SHARE = (
@@ -31,12 +34,12 @@ class Picture:
     Parameters
     ----------
     radar : sigma of range [m] and bearing [deg]; the rounding of the sentences is added
-    charted : marks from a chart, in every epoch
+    charted : marks from a chart; those in reach join every epoch, and AIS aids are checked with them
     """
 
     def __init__(self, *, radar: RadarModel | str = "imo", charted: Iterable[Mark] = ()) -> None:
         self._radar = radar_model(radar)
-        self._charted = tuple(charted)
+        self._charted = ChartedMarks(charted)
         self._traffic = Traffic()
         self._scans = ScanBuilder()
         self._heading: OwnHeading | None = None
@@ -67,17 +70,27 @@ class Picture:
     def epoch(self, scan: Scan) -> Epoch:
         """Reduce everything to the instant of a scan."""
         began_s = time.perf_counter()
-        marks, left_out = self._traffic.marks(scan.time_s)
-        return Epoch(
+        marks, left_out, chart = self._marks(scan)
+        epoch = Epoch(
             time_utc=datetime.fromtimestamp(scan.time_s, UTC),
             targets=tuple(radar_target(report, self._radar) for report in scan.reports),
-            marks=(*marks, *self._charted),
+            marks=marks,
             heading_hint=self._heading_hint(scan.time_s),
             speed_hint=self._speed_hint(scan.time_s),
             gnss=self._gnss_report(scan.time_s),
             left_out=tuple(sorted(left_out.items())),
-            build_ms=round(1e3 * (time.perf_counter() - began_s), 3),
+            chart=chart,
         )
+        return replace(epoch, choice=choose(epoch), build_ms=round(1e3 * (time.perf_counter() - began_s), 3))
+
+    def _marks(self, scan: Scan) -> tuple[tuple[Mark, ...], dict[str, int], ChartCheck | None]:
+        """Return the marks at the instant of a scan, who was left out, and how AIS and chart agree."""
+        marks, left_out = self._traffic.marks(scan.time_s)
+        if not self._charted.marks:
+            return marks, left_out, None
+        reach_m = max(report.range_m for report in scan.reports)
+        joined = self._charted.join(marks, self._traffic.aids(scan.time_s), left_out, reach_m)
+        return joined.marks, joined.left_out, joined.check
 
     def _heading_hint(self, at_s: float) -> HeadingHint | None:
         heading = self._heading

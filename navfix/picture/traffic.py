@@ -66,6 +66,16 @@ class Traffic:
                 marks.append(mark)
         return tuple(marks), dict(left_out)
 
+    def aids(self, at_s: float) -> tuple[tuple[AisPosition, str | None], ...]:
+        """Return the aids with a fresh position, each with the reason why it is no mark (None where it is one)."""
+        oldest_s, own = ais_model("aton").oldest_still_s, frozenset(self._own_mmsi)
+        fresh = (
+            station.report
+            for station in self._stations.values()
+            if station.report.kind == "aton" and -NEWEST_AHEAD_S <= at_s - station.position_time_s <= oldest_s
+        )
+        return tuple((report, why_never_a_mark(report, own)) for report in fresh if report.lat_deg is not None)
+
     def own_gnss(self) -> AisPosition | None:
         """Return the newest AIS report of own ship: GNSS under another name, only ever compared with a fix."""
         reports = [self._stations[m].report for m in self._own_mmsi if m in self._stations]

@@ -9,6 +9,7 @@ from typing import Any
 from navfix.errors import Ambiguous, NoAgreement, NoFix
 from navfix.geodesy import inverse
 from navfix.report.answer import Answer, Truth
+from navfix.report.data_used import chart_to_dict, choice_to_dict
 from navfix.report.numbers import degrees, iso_utc, plain, plain_matrix
 from navfix.types import (
     AdjustedObservation,
@@ -41,7 +42,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
     """Return the object ``navfix.fix/1`` of an answer: plain numbers, strings, lists and None only.
 
     Beyond the keys of every fix it carries ``truth`` (null without a truth file), ``targets`` and ``marks`` (how many
-    the epoch holds) and ``notes``.
+    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why) and ``notes``.
     """
     body = no_fix_to_dict(answer.error) if answer.fix is None else fix_to_dict(answer.fix)
     return body | {
@@ -52,6 +53,8 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "truth": truth_to_dict(answer.truth),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
+        "chart": None if answer.epoch is None else chart_to_dict(answer.epoch.chart),
+        "choice": None if answer.epoch is None else choice_to_dict(answer.epoch.choice),
         "notes": [*body["notes"], *answer.cautions, *answer.notes],
     }
 

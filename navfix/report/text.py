@@ -12,6 +12,7 @@ from navfix.errors import NoFix
 from navfix.geodesy import inverse
 from navfix.report import words
 from navfix.report.answer import Answer
+from navfix.report.data_used import data_entries
 from navfix.report.rows import PairRow, pair_rows, unmatched_indices
 from navfix.report.tables import printable, residual_table
 from navfix.types import Alternative, Epoch, Fix, GnssVerdict, MeanFix, PlanePosition, Position, RadarTarget
@@ -41,6 +42,7 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
     yield from _pose(fix)
     yield from _cautions(answer)
     yield from _certainty(fix)
+    yield from _data(answer)
     yield from _beside(answer, fix)
     yield from _named_outliers(fix, rows)
     yield ""
@@ -75,6 +77,11 @@ def _pose(fix: Fix) -> Iterator[str]:
 def _cautions(answer: Answer) -> Iterator[str]:
     for caution in answer.cautions:
         yield from _entry("CAUTION", caution)
+
+
+def _data(answer: Answer) -> Iterator[str]:
+    for label, text in data_entries(answer.epoch):
+        yield from _entry(label, text)
 
 
 def _heading_spread(fix: Fix) -> str:
@@ -236,6 +243,7 @@ def no_fix_lines(answer: Answer) -> Iterator[str]:
     yield from _cautions(answer)
     yield from _entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
     yield from _evidence(error)
+    yield from _data(answer)
     if answer.gnss is not None:
         yield from _gnss(answer.gnss)
     elif answer.epoch is not None and answer.epoch.gnss is not None:

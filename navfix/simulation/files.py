@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 from navfix.errors import InputError
 from navfix.nmea.write import angle
 from navfix.simulation.scenario import Recording
 from navfix.units import KNOT_MPS
 
 TRUTH_HEADER = "unix,lat,lon,heading_deg,sog_kn,cog_deg,radar_zero_deg"
+CHART_HEADER = "lat,lon,kind,type,sigma_m,name,mmsi"
+CHART_SIGMA_M = 8.0  # of a buoy about its charted place, per axis
 ASSOCIATION_HEADER = "unix,target_no,mmsi"
 
 
@@ -32,6 +36,21 @@ def association_csv(recording: Recording) -> str:
     """Return which target number is which MMSI at which time of the radar's clock (0: no AIS, or nothing)."""
     rows = (f"{row.unix_s:.2f},{row.target_number},{row.mmsi}\n" for row in recording.association)
     return f"{ASSOCIATION_HEADER}\n{''.join(rows)}"
+
+
+def chart_csv(recording: Recording) -> str:
+    """Return the aids of the world as a chart (CSV): each buoy floats a little off its charted place, on its chain."""
+    world = recording.scenario.world(recording.seed)
+    rng = np.random.default_rng([recording.seed, len("chart")])
+    rows = []
+    for body in world.bodies:
+        if body.kind != "aton":
+            continue
+        swing_north_m, swing_east_m = rng.normal(0.0, CHART_SIGMA_M, 2)
+        lat, lon = world.stage.places(body.motion.north_m - swing_north_m, body.motion.east_m - swing_east_m)
+        kind = "BOYSPP" if body.aid_type == 30 else "BOYLAT"
+        rows.append(f"{float(lat):.6f},{float(lon):.6f},floating,{kind},{CHART_SIGMA_M:g},{body.name},{body.mmsi}\n")
+    return f"{CHART_HEADER}\n{''.join(rows)}"
 
 
 def companions(log: Path, truth: Path | None = None, association: Path | None = None) -> list[Path]:

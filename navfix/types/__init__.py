@@ -12,6 +12,7 @@ from navfix.types.adjusted import (
     ObservationKind,
     confidence_radius,
 )
+from navfix.types.charted import ChartCheck, Decision, Filter, MethodChoice, OffStation
 from navfix.types.checks import FloatArray, IntArray
 from navfix.types.found import Alternative, Association, SecondGroup
 from navfix.types.observed import (
@@ -33,9 +34,12 @@ __all__ = [
     "Alternative",
     "Association",
     "BearingReference",
+    "ChartCheck",
     "CovarianceScaling",
+    "Decision",
     "Ellipse",
     "Epoch",
+    "Filter",
     "Fix",
     "FloatArray",
     "GlobalTest",
@@ -49,7 +53,9 @@ __all__ = [
     "Mark",
     "MarkKind",
     "MeanFix",
+    "MethodChoice",
     "ObservationKind",
+    "OffStation",
     "PlanePosition",
     "Position",
     "PositionHint",

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Literal
 
+from navfix.types.charted import ChartCheck, MethodChoice
 from navfix.types.checks import require
 from navfix.types.places import Hull, Position
 from navfix.units import wrap_360
@@ -142,7 +143,8 @@ class Epoch:
     """Everything reduced to one instant: targets, marks, and the hints that a log may hold.
 
     ``left_out`` counts the stations that could not serve as marks, by reason. ``build_ms`` is how long it took to
-    reduce everything to the instant [ms].
+    reduce everything to the instant [ms]. ``chart`` says how charted marks and AIS aids agree (None without a chart),
+    ``choice`` which data are used and why.
     """
 
     time_utc: datetime | None
@@ -154,6 +156,8 @@ class Epoch:
     gnss: GnssReport | None = None
     left_out: tuple[tuple[str, int], ...] = ()
     build_ms: float | None = field(default=None, compare=False)
+    chart: ChartCheck | None = None
+    choice: MethodChoice | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "targets", tuple(self.targets))

@@ -15,7 +15,7 @@ def run(script: Path, *arguments: str, stdin: bytes | None = None) -> subprocess
 
 def test_every_example_is_tested_here(repository: Path):
     examples = {path.name for path in (repository / "docs" / "examples").glob("*.py")}
-    assert examples == {"bridge_integrator.py", "gdynia_test.py", "own_epoch.py"}
+    assert examples == {"bridge_integrator.py", "chart_alone.py", "gdynia_test.py", "own_epoch.py"}
 
 
 @pytest.mark.parametrize("by_pipe", [False, True])
@@ -54,3 +54,10 @@ def test_the_first_example_prints_the_published_figures_and_stands_in_the_docs(r
 def test_examples_are_short(repository: Path):
     for path in (repository / "docs" / "examples").glob("*.py"):
         assert len(path.read_text().splitlines()) <= 60
+
+
+def test_a_chart_alone_gives_a_position(repository: Path):
+    done = run(repository / "docs" / "examples" / "chart_alone.py")
+    assert done.returncode == 0, done.stderr.decode()
+    assert "26 charted marks" in done.stdout.decode()
+    assert "95 % ellipse" in done.stdout.decode()
