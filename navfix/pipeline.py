@@ -10,7 +10,8 @@ from dataclasses import replace
 from datetime import datetime
 from functools import cache
 
-from navfix.adjustment import adjust, graph, mean_fix
+from navfix.adjustment import graph, mean_fix
+from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
 from navfix.catalog import AssociationModel, CpdModel, RadarModel
 from navfix.errors import InputError, NoFix
@@ -51,7 +52,7 @@ def fix(
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
     association = associate(epoch, method=method, radar=radar)
-    return with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
+    return with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
 
 
 def epochs(
@@ -89,15 +90,16 @@ def answer(
             association = associate(epoch, method=method, radar=radar, prove=prove)
         clock.lap(step)
         step, cautions = "adjust", _cautions(association, epoch)
-        found = with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
+        found = with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
         clock.lap(step)
     except NoFix as error:
         clock.lap(step)
         return Answer(epoch=epoch, error=error, timing_ms=clock.laps_ms, cautions=cautions)
+    seen = found.epoch or epoch
     return Answer(
-        epoch=epoch,
+        epoch=seen,
         fix=found,
-        plain_mean=_plain_mean(epoch, association),
+        plain_mean=_plain_mean(seen, association),
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=clock.laps_ms,
         notes=(*_notes(found, epoch), *association.notes),

@@ -24,6 +24,7 @@ from navfix.types.observed import (
     PositionHint,
     RadarTarget,
     SpeedHint,
+    TargetPoint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
@@ -57,6 +58,7 @@ __all__ = [
     "SecondGroup",
     "ShipVeracity",
     "SpeedHint",
+    "TargetPoint",
     "VeracityStatus",
     "Verdict",
     "confidence_radius",
