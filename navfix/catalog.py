@@ -110,6 +110,17 @@ class EchoModel:
 
 
 @dataclass(frozen=True, slots=True)
+class OutlineModel:
+    """How well one boundary point of an echo is measured against the others, 1 sigma."""
+
+    name: str
+    title: str
+    source: str
+    range_sigma_m: float
+    bearing_sigma_deg: float
+
+
+@dataclass(frozen=True, slots=True)
 class AssociationModel:
     """Constants of the association: how it searches, what it averages over, when it answers."""
 
@@ -214,6 +225,11 @@ def hull_model_of(ais_class: str | None, ship_type: int | None) -> HullModel:
 def echo_model(name: str | EchoModel = "visible_side") -> EchoModel:
     """Return where on a hull its echo lies by name in models/echo, or the record itself."""
     return name if isinstance(name, EchoModel) else _load("echo", name, EchoModel)
+
+
+def outline_model(name: str | OutlineModel = "digitised") -> OutlineModel:
+    """Return how well the boundary points of an echo are measured by name in models/outline, or the record itself."""
+    return name if isinstance(name, OutlineModel) else _load("outline", name, OutlineModel)
 
 
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:

@@ -27,6 +27,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_evidence(parser)
     options.add_window(parser)
     options.add_independent(parser)
+    options.add_outlines(parser)
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -48,12 +49,14 @@ def run(args: argparse.Namespace) -> int:
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track = solving.truth_track(args)
+    outlines = solving.outlines(args)
     log = solving.read(args.log)
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
         if count % args.every:
             continue
-        answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
+        seen = solving.outlined(solving.without_hints(epoch, args), outlines)
+        answer = pipeline.watched(solving.solve(seen, args, track), monitor)
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:
