@@ -121,6 +121,22 @@ class OutlineModel:
 
 
 @dataclass(frozen=True, slots=True)
+class TrackModel:
+    """Constants of the filters of one sensor: accelerations, what of an error stays, when a number is another ship."""
+
+    name: str
+    title: str
+    source: str
+    acceleration_mps2: float
+    relative_turn_deg_per_s2: float
+    true_turn_deg_per_s2: float
+    steady_share: float
+    radar_speed_sigma_mps: float
+    longest_gap_s: float
+    longest_jump_m: float
+
+
+@dataclass(frozen=True, slots=True)
 class AssociationModel:
     """Constants of the association: how it searches, what it averages over, when it answers."""
 
@@ -230,6 +246,11 @@ def echo_model(name: str | EchoModel = "visible_side") -> EchoModel:
 def outline_model(name: str | OutlineModel = "digitised") -> OutlineModel:
     """Return how well the boundary points of an echo are measured by name in models/outline, or the record itself."""
     return name if isinstance(name, OutlineModel) else _load("outline", name, OutlineModel)
+
+
+def track_model(name: str | TrackModel = "polar") -> TrackModel:
+    """Return the constants of the filters of one sensor by name in models/track, or the record itself."""
+    return name if isinstance(name, TrackModel) else _load("track", name, TrackModel)
 
 
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:

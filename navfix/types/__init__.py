@@ -14,6 +14,7 @@ from navfix.types.adjusted import (
 )
 from navfix.types.checks import FloatArray, IntArray
 from navfix.types.found import Alternative, Association, SecondGroup
+from navfix.types.fused import Sensor, TargetList, TrackedShip
 from navfix.types.observed import (
     BearingReference,
     Epoch,
@@ -56,9 +57,12 @@ __all__ = [
     "PositionHint",
     "RadarTarget",
     "SecondGroup",
+    "Sensor",
     "ShipVeracity",
     "SpeedHint",
+    "TargetList",
     "TargetPoint",
+    "TrackedShip",
     "VeracityStatus",
     "Verdict",
     "confidence_radius",
