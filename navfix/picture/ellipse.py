@@ -75,17 +75,23 @@ def fit_known_ellipse(
 ) -> FittedEllipse:
     """Fit the place of an ellipse of known size and direction to points (n, 2), n >= 1: eq. (8.8) by Gauss-Newton."""
     to_axes = _to_axes(FittedEllipse(0.0, 0.0, length_m, beam_m, azimuth_deg))
-    centre = points_m.mean(axis=0)
+    centre = best = points_m.mean(axis=0)
+    least = math.inf
     for _ in range(rounds):
         scaled = (points_m - centre) @ to_axes.T
         radius = np.maximum(np.linalg.norm(scaled, axis=1), 1e-9)
         gradient = -(scaled / radius[:, None]) @ to_axes
         slope = np.linalg.norm(gradient, axis=1)  # (radius - 1) / slope is the distance to the ellipse, to first order
-        step = np.linalg.lstsq(gradient / slope[:, None], (1.0 - radius) / slope, rcond=None)[0]
-        centre = centre + step
-        if float(np.hypot(*step)) < 1e-4:
+        distance_m = (1.0 - radius) / slope
+        misfit_m2 = float(distance_m @ distance_m)
+        if misfit_m2 < least:
+            best, least = centre, misfit_m2
+        step = np.linalg.lstsq(gradient / slope[:, None], distance_m, rcond=None)[0]
+        size_m = float(np.hypot(*step))
+        centre = centre + step * min(1.0, beam_m / max(size_m, 1e-9))  # farther than a beam the slope is another one
+        if size_m < 1e-4:
             break
-    return FittedEllipse(float(centre[0]), float(centre[1]), length_m, beam_m, azimuth_deg % 180.0)
+    return FittedEllipse(float(best[0]), float(best[1]), length_m, beam_m, azimuth_deg % 180.0)
 
 
 def antenna_step(length_m: float, heading_deg: float) -> FloatArray:
