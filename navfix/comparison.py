@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from navfix.adjustment import adjust, mean_fix
+from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.catalog import RadarModel
 from navfix.errors import InputError, NoFix
 from navfix.geodesy import inverse
@@ -41,6 +42,7 @@ def compare(
     truth: Position | None = None,
 ) -> tuple[Row, ...]:
     """Fix one epoch by every method, from the same pairs; the first row is the robust fix with ``kernel``."""
+    epoch = _seen(epoch, association, radar, kernel)
     rows = [*_adjustments(epoch, association, radar, kernel), *_means(epoch, association)]
     robust = rows[0].position
     return tuple(
@@ -49,6 +51,14 @@ def compare(
         )
         for row in rows
     )
+
+
+def _seen(epoch: Epoch, association: Association, radar: RadarModel | str, kernel: Kernel | str) -> Epoch:
+    """Return the epoch with the hulls as seen from the robust fix: every method takes the same marks."""
+    try:
+        return adjust_visible_side(epoch, association, radar=radar, kernel=kernel).epoch or epoch
+    except NoFix:
+        return epoch
 
 
 def _adjustments(

@@ -10,7 +10,10 @@ from dataclasses import replace
 from datetime import datetime
 from functools import cache
 
-from navfix.adjustment import adjust, graph, mean_fix
+import numpy as np
+
+from navfix.adjustment import graph, mean_fix
+from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
 from navfix.catalog import AssociationModel, CpdModel, RadarModel
 from navfix.errors import InputError, NoFix
@@ -18,12 +21,14 @@ from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
+from navfix.picture.fusion import OwnPose, fused_list, lists_apart
+from navfix.picture.sensor_tracks import SensorTracks
 from navfix.report.answer import Answer
 from navfix.report.data_used import chart_cautions
-from navfix.types import Association, Epoch, Fix, Mark, MeanFix
+from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, TargetList
 from navfix.units import wrap_180
 
-__all__ = ["answer", "epochs", "fix", "watched"]
+__all__ = ["answer", "epochs", "fix", "targets", "watched"]
 
 Method = str | AssociationModel | CpdModel
 
@@ -52,7 +57,7 @@ def fix(
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
     association = associate(epoch, method=method, radar=radar)
-    return with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
+    return with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
 
 
 def epochs(
@@ -90,20 +95,55 @@ def answer(
             association = associate(epoch, method=method, radar=radar, prove=prove)
         clock.lap(step)
         step, cautions = "adjust", (*cautions, *_cautions(association, epoch))
-        found = with_integrity(adjust(epoch, association, radar=radar, kernel=kernel))
+        found = with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
         clock.lap(step)
     except NoFix as error:
         clock.lap(step)
         return Answer(epoch=epoch, error=error, timing_ms=clock.laps_ms, cautions=cautions)
+    seen = found.epoch or epoch
     return Answer(
-        epoch=epoch,
+        epoch=seen,
         fix=found,
-        plain_mean=_plain_mean(epoch, association),
+        plain_mean=_plain_mean(seen, association),
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=clock.laps_ms,
         notes=(*_notes(found, epoch), *association.notes),
         cautions=cautions,
     )
+
+
+def targets(
+    history: Iterable[Epoch],
+    *,
+    radar: RadarModel | str = "imo",
+    kernel: Kernel | str = "hampel",
+    method: Method = "seeded",
+) -> TargetList:
+    """Return the fused list of radar targets and AIS ships at the last of some epochs.
+
+    Each sensor is filtered over the epochs by itself; the pairs and own place come from a fix of the last epoch. Where
+    there is none, the list holds both apart and says why.
+
+    Raises
+    ------
+    InputError : no epoch
+    """
+    tracks, newest, filtered = SensorTracks(), None, None
+    for newest in history:
+        filtered = tracks.feed(newest)
+    if newest is None or filtered is None:
+        raise InputError("a list of targets needs at least one epoch, got none")
+    solved = answer(newest, radar=radar, kernel=kernel, method=method)
+    if solved.fix is None:
+        return lists_apart(filtered, reason=getattr(solved.error, "reason", ""), message=str(solved.error), radar=radar)
+    pairs = solved.fix.association or Association(pairs=np.zeros((0, 2), np.int64), probability=np.zeros(0))
+    return fused_list(filtered, _own_pose(solved.fix), pairs, radar=radar)
+
+
+def _own_pose(found: Fix) -> OwnPose:
+    assert isinstance(found.position, Position)
+    sigma_deg = found.compass_error_sigma_deg or 0.0
+    return OwnPose(found.position, found.heading_deg, found.covariance, found.compass_error_deg, sigma_deg**2)
 
 
 def watched(answered: Answer, monitor: GnssMonitor) -> Answer:

@@ -15,7 +15,7 @@ from navfix import __version__
 from navfix.cli import options
 from navfix.cli.errors import INTERRUPTED, OK, USAGE, outcome
 
-COMMANDS = ("demo", "fix", "compare", "adjust", "replay", "simulate", "chart", "models")
+COMMANDS = ("demo", "fix", "compare", "adjust", "replay", "targets", "simulate", "chart", "models")
 
 _DESCRIPTION = """\
 Own-ship position and heading from what radar and AIS see, without own GNSS.

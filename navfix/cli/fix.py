@@ -15,6 +15,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "fix", help="adjusted position and heading of one radar scan of a log", description=__doc__
     )
     options.add_one_scan(parser)
+    options.add_outlines(parser)
     parser.set_defaults(run=run)
 
 

@@ -27,6 +27,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_evidence(parser)
     options.add_window(parser)
     options.add_independent(parser)
+    options.add_outlines(parser)
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -47,13 +48,14 @@ def run(args: argparse.Namespace) -> int:
     solving.refuse(args, ["window"])
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
-    track, charted = solving.truth_track(args), solving.charted_marks(args)
+    track, charted, outlines = solving.truth_track(args), solving.charted_marks(args), solving.outlines(args)
     log = solving.read(args.log, charted=bool(charted))
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
         if count % args.every:
             continue
-        answer = pipeline.watched(solving.solve(solving.as_asked(epoch, args), args, track), monitor)
+        seen = solving.outlined(solving.as_asked(epoch, args), outlines)
+        answer = pipeline.watched(solving.solve(seen, args, track), monitor)
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:

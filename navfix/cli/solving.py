@@ -16,6 +16,7 @@ from navfix.cli.errors import NO_FIX, UNREADABLE, CommandError
 if TYPE_CHECKING:
     from navfix.catalog import AssociationModel, CpdModel
     from navfix.nmea import Log
+    from navfix.picture.outlines import Outlines
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
     from navfix.types import Association, Epoch, Mark
@@ -88,6 +89,25 @@ def truth_track(args: argparse.Namespace) -> TruthTrack | None:
         return TruthTrack.parse(lines, source=str(args.truth))
 
 
+def outlines(args: argparse.Namespace) -> Outlines | None:
+    """Read --outlines where it is given."""
+    if getattr(args, "outlines", None) is None:
+        return None
+    from navfix.picture.outlines import read_outlines
+
+    with args.outlines.open(encoding="utf-8-sig", errors="replace") as lines:
+        return read_outlines(lines, source=str(args.outlines))
+
+
+def outlined(epoch: Epoch, found: Outlines | None) -> Epoch:
+    """Put the centres of hulls in place of the echoes that have an outline."""
+    if found is None:
+        return epoch
+    from navfix.picture.outlines import with_outlines
+
+    return with_outlines(epoch, found)
+
+
 def one_epoch(log: Log, args: argparse.Namespace, charted: Sequence[Mark] = ()) -> Epoch:
     """Return the epoch that --at chooses, or that of the last complete scan.
 
@@ -102,7 +122,7 @@ def one_epoch(log: Log, args: argparse.Namespace, charted: Sequence[Mark] = ()) 
     if epoch is None:
         when = "" if args.at is None else f" at {args.at:%Y-%m-%dT%H:%M:%SZ}"
         raise CommandError(f"{args.log}: no fix: no complete radar scan{when}", NO_FIX)
-    return as_asked(epoch, args)
+    return outlined(as_asked(epoch, args), outlines(args))
 
 
 def as_asked(epoch: Epoch, args: argparse.Namespace) -> Epoch:

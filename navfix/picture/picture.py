@@ -155,7 +155,7 @@ def epochs(
             return
     picture = Picture(radar=radar, charted=charted)
     newest: Epoch | None = None
-    for count, scan in enumerate(_scans(picture, records)):
+    for count, scan in enumerate(scans(picture, records)):
         if at is None:
             if count % every == 0:
                 yield picture.epoch(scan)
@@ -188,12 +188,13 @@ def radar_target(report: TargetReport, radar: RadarModel) -> RadarTarget:
 def _last_scan_time(records: Iterable[Record]) -> datetime | None:
     """Return when the last complete scan was (a first pass: epochs are made only where they are wanted)."""
     scan = None
-    for scan in _scans(Picture(), records):  # noqa: B007 (the last one is wanted)
+    for scan in scans(Picture(), records):  # noqa: B007 (the last one is wanted)
         pass
     return None if scan is None else datetime.fromtimestamp(scan.time_s, UTC)
 
 
-def _scans(picture: Picture, records: Iterable[Record]) -> Iterator[Scan]:
+def scans(picture: Picture, records: Iterable[Record]) -> Iterator[Scan]:
+    """Feed records to a picture and yield each radar scan as it is complete."""
     for record in records:
         scan = picture.feed(record)
         if scan is not None:

@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from navfix.catalog import AisModel, ais_model
 from navfix.geodesy import direct
 from navfix.nmea.records import AisPosition, AisStatic
-from navfix.picture.hull import hull_shift
+from navfix.picture.hull import hull_shift, size_of
 from navfix.picture.motion import carry
 from navfix.picture.selection import why_never_a_mark
 from navfix.types import Hull, Mark, Position
@@ -107,12 +107,13 @@ class Traffic:
             return None
         reported = Position(report.lat_deg, report.lon_deg)
         step = carry(0.0 if still else report.speed_mps, report.course_deg, age_s, model)
-        shift = hull_shift(hull, heading_deg, _unknown_hull_sigma(report, model))
+        aton, ship_type = report.kind == "aton", _ship_type(report, static)
+        size = size_of(hull, aid=aton, ais_class=report.ais_class, ship_type=ship_type)
+        shift = hull_shift(size, heading_deg)
         base_m = model.accurate_sigma_m if report.accurate else model.default_sigma_m
         sigma_m = math.sqrt(base_m**2 + step.sigma_m**2 + shift.sigma_m**2)
         if sigma_m > WORST_SIGMA_M:
             return None
-        aton = report.kind == "aton"
         return Mark(
             label=str(mmsi),
             position=_step(reported, step.north_m + shift.north_m, step.east_m + shift.east_m),
@@ -126,8 +127,9 @@ class Traffic:
             hull=hull,
             name=report.name or (static.name if static else None),
             ais_class=report.ais_class,
-            ship_type=_ship_type(report, static),
+            ship_type=ship_type,
             age_s=age_s,
+            hull_sigma_m=shift.sigma_m,
         )
 
 
@@ -153,10 +155,6 @@ def _class_model(report: AisPosition) -> AisModel:
     if report.kind == "aton":
         return ais_model("aton")
     return ais_model("class_b" if report.ais_class == "B" else "class_a")
-
-
-def _unknown_hull_sigma(report: AisPosition, model: AisModel) -> float:
-    return 0.0 if report.kind == "aton" else model.unknown_hull_sigma_m
 
 
 def _ship_type(report: AisPosition, static: AisStatic | None) -> int | None:

@@ -15,6 +15,7 @@ from navfix.types.adjusted import (
 from navfix.types.charted import ChartCheck, Decision, Filter, MethodChoice, OffStation
 from navfix.types.checks import FloatArray, IntArray
 from navfix.types.found import Alternative, Association, SecondGroup
+from navfix.types.fused import Sensor, TargetList, TrackedShip
 from navfix.types.observed import (
     BearingReference,
     Epoch,
@@ -25,6 +26,7 @@ from navfix.types.observed import (
     PositionHint,
     RadarTarget,
     SpeedHint,
+    TargetPoint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
@@ -61,8 +63,12 @@ __all__ = [
     "PositionHint",
     "RadarTarget",
     "SecondGroup",
+    "Sensor",
     "ShipVeracity",
     "SpeedHint",
+    "TargetList",
+    "TargetPoint",
+    "TrackedShip",
     "VeracityStatus",
     "Verdict",
     "confidence_radius",

@@ -14,6 +14,7 @@ from navfix.units import wrap_360
 
 BearingReference = Literal["relative", "true"]
 MarkKind = Literal["ship", "aton", "charted"]
+TargetPoint = Literal["echo", "hull_centre"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +23,8 @@ class RadarTarget:
 
     ``bearing_reference`` "relative" counts from the radar's zero mark, "true" from north.
     ``speed_mps`` and ``course_deg`` are true and over ground (None where the radar does not say so).
-    A sigma given here (1 sigma) overrides the radar model's.
+    A sigma given here (1 sigma) overrides the radar model's. ``point`` says what of a ship was measured: its echo, on
+    the side that faces own ship, or by its outline the "hull_centre".
     """
 
     label: str
@@ -35,6 +37,7 @@ class RadarTarget:
     range_sigma_m: float | None = None
     bearing_sigma_deg: float | None = None
     status: str | None = None
+    point: TargetPoint = "echo"
 
     def __post_init__(self) -> None:
         who = f"target {self.label}"
@@ -46,6 +49,7 @@ class RadarTarget:
             "must be 'relative' or 'true'",
             self.bearing_reference,
         )
+        require(self.point in ("echo", "hull_centre"), f"{who}: point", "must be 'echo' or 'hull_centre'", self.point)
         for name in ("range_sigma_m", "bearing_sigma_deg"):
             sigma = getattr(self, name)
             require(sigma is None or (math.isfinite(sigma) and sigma > 0.0), f"{who}: {name}", "must be > 0", sigma)
@@ -57,7 +61,9 @@ class Mark:
     """What has a known position: an AIS ship, an aid to navigation, a charted object.
 
     ``sigma_m`` is 1 sigma per axis and complete: age and hull enter when the epoch is built, not later.
-    ``age_s`` is the age of the report that the position was carried forward from.
+    ``age_s`` is the age of the report that the position was carried forward from. ``hull_sigma_m`` is the part of
+    ``sigma_m`` that a hull adds while it is not known from where it is seen: the position is then that of the hull's
+    centre. At 0 the position is where the echo is expected.
     """
 
     label: str
@@ -74,6 +80,7 @@ class Mark:
     ais_class: Literal["A", "B"] | None = None
     ship_type: int | None = None
     age_s: float | None = None
+    hull_sigma_m: float = 0.0
 
     def __post_init__(self) -> None:
         require(
@@ -81,6 +88,12 @@ class Mark:
             f"mark {self.label}: sigma_m",
             "must be >= 0",
             self.sigma_m,
+        )
+        require(
+            0.0 <= self.hull_sigma_m <= self.sigma_m,
+            f"mark {self.label}: hull_sigma_m",
+            "must be within 0 .. sigma_m",
+            self.hull_sigma_m,
         )
         require(
             self.kind in ("ship", "aton", "charted"),

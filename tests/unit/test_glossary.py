@@ -12,7 +12,9 @@ from typing import Any
 import pytest
 
 from navfix.report.fix_json import answer_to_dict
+from navfix.report.targets import to_dict
 from navfix.report.text import report_text
+from navfix.types import Position, TargetList, TrackedShip
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 UNITS = ("m", "deg", "ms", "utc")
@@ -85,3 +87,10 @@ def test_every_key_of_the_json_is_explained(name: str) -> None:
         return f"`{key}`" in text or plain in text or plain.replace("standardized", "standardised") in text
 
     assert not {key for key in _keys(answer_to_dict(ANSWERS[name])) if not explained(key)}
+
+
+def test_every_key_of_the_list_of_targets_is_explained() -> None:
+    ships = TargetList(None, (TrackedShip("ais", "1"),), Position(54.0, 8.0), 20.0)
+    text = _page("glossary.md") + _page("integrators-guide.md")
+    missing = {key for key in _keys(to_dict(ships)) if f"`{key}`" not in text and key.replace("_", " ") not in text}
+    assert not missing - {"lat_deg", "lon_deg"}

@@ -10,7 +10,6 @@ from navfix.catalog import ais_model, radar_model
 from navfix.geodesy import direct, inverse
 from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, TargetReport
 from navfix.picture import Picture, epochs
-from navfix.picture.hull import hull_shift
 from navfix.picture.motion import carry
 from navfix.picture.picture import radar_target
 from navfix.picture.scans import ScanBuilder, report_time
@@ -112,25 +111,6 @@ def test_a_ship_without_speed_may_have_gone_anywhere_and_one_at_anchor_swings():
     model = ais_model("class_a")
     assert carry(None, None, 60.0, model).sigma_m > 60.0
     assert carry(0.1, 200.0, 600.0, model).sigma_m <= 2.0 * model.swing_sigma_m
-
-
-# -------------------------------------------------------------------------------------------------------------- hull
-
-
-def test_the_echo_is_at_the_middle_of_the_hull():
-    shift = hull_shift(Hull(bow_m=180.0, stern_m=20.0, port_m=10.0, starboard_m=20.0), 90.0, 25.0)
-    assert (shift.north_m, shift.east_m) == pytest.approx((-5.0, 80.0))
-    assert shift.sigma_m == pytest.approx(40.0)
-
-
-@pytest.mark.parametrize(
-    ("hull", "heading_deg", "sigma_m"),
-    [(None, 90.0, 25.0), (Hull(0.0, 0.0, 0.0, 0.0), 90.0, 25.0), (Hull(50.0, 50.0, 5.0, 5.0), None, 35.0)],
-)
-def test_what_is_not_known_of_a_hull_is_in_the_sigma(hull, heading_deg, sigma_m):
-    shift = hull_shift(hull, heading_deg, 25.0)
-    assert (shift.north_m, shift.east_m) == (0.0, 0.0)
-    assert shift.sigma_m == pytest.approx(sigma_m)
 
 
 # --------------------------------------------------------------------------------------------------------- selection

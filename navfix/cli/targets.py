@@ -1,0 +1,90 @@
+"""``navfix targets``: radar targets and AIS ships of one instant, fused where they are the same ship."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from navfix.cli import options, solving
+from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
+
+if TYPE_CHECKING:
+    from navfix.nmea import Log
+    from navfix.types import Epoch, Mark, TargetList
+
+SUFFIXES = (".txt", ".json", ".csv", ".geojson")
+
+
+def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Add the command to the parser."""
+    parser = subparsers.add_parser(
+        "targets", help="fused list of radar targets and AIS ships of one instant", description=__doc__
+    )
+    options.add_log(parser)
+    options.add_at(parser)
+    parser.add_argument("--find", metavar="KEY", help="only the ships with this target number, MMSI or part of a name")
+    parser.add_argument(
+        "--filter",
+        metavar="S",
+        type=options.not_negative,
+        default=60.0,
+        help="seconds before it that each sensor is filtered over; 0: the scan alone (default: 60)",
+    )
+    options.add_estimation(parser)
+    options.add_evidence(parser)
+    options.add_outlines(parser)
+    options.add_output(parser, SUFFIXES)
+    parser.set_defaults(run=run)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fuse, print the list, write the files."""
+    from navfix import pipeline
+    from navfix.report.targets import WRITERS
+
+    charted = solving.charted_marks(args)
+    log = solving.read(args.log, charted=bool(charted))
+    newest = solving.one_epoch(log, args, charted)
+    ships = pipeline.targets(_history(log, newest, args, charted), radar=options.radar(args), kernel=args.kernel)
+    shown = ships if args.find is None else _found(ships, args.find)
+    print(WRITERS[".json" if args.json else ".txt"](shown).rstrip("\n"))
+    options.write_outputs(args.out, {suffix: partial(WRITERS[suffix], shown) for suffix in SUFFIXES})
+    if ships.own_position is None:
+        print(f"navfix: no fix ({ships.reason}), nothing fused: {one_line(Exception(ships.message))}", file=sys.stderr)
+        return NO_FIX
+    return OK
+
+
+def _history(log: Log, newest: Epoch, args: argparse.Namespace, charted: Sequence[Mark]) -> Iterator[Epoch]:
+    """Yield the epochs that each sensor is filtered over, the one that was asked for at the end."""
+    from navfix.picture import Picture
+    from navfix.picture.sensor_tracks import recent_epochs
+
+    if newest.time_utc is not None and args.filter > 0.0:
+        outlines, until_s = solving.outlines(args), newest.time_utc.timestamp()
+        picture = Picture(radar=options.radar(args), charted=charted)
+        for epoch in recent_epochs(log.records, picture, until_s=until_s, seconds=args.filter):
+            if epoch.time_utc is not None and epoch.time_utc < newest.time_utc:
+                yield solving.outlined(epoch, outlines)
+    yield newest
+
+
+def _found(ships: TargetList, key: str) -> TargetList:
+    """Return the list with what --find asks for.
+
+    Raises
+    ------
+    CommandError : nothing answers to the key
+    """
+    from navfix.picture.board import TargetBoard
+
+    board = TargetBoard()
+    board.update(ships)
+    found = board.find(key)
+    if not found:
+        raise CommandError(f"--find {key}: no target, MMSI or name like this among {len(ships.ships)} ships")
+    return replace(ships, ships=found)
