@@ -111,7 +111,8 @@ class FilterModel:
     """Constants of the Kalman filters with a coordinated turn (see models/motion/turn_filter.toml).
 
     ``alpha``, ``beta``, ``kappa`` of the scaled unscented transform; process noise as standard deviations per square
-    root of a second; sigmas of what a report measures.
+    root of a second; the rate of turn fades with ``turn_persist_s``; sigmas of what a report measures;
+    ``acceleration_walk_mps`` is that of each axis in the linear filter.
     """
 
     name: str
@@ -124,10 +125,12 @@ class FilterModel:
     speed_walk_mps: float
     course_walk_rad: float
     turn_walk_rad_s: float
+    turn_persist_s: float
     position_sigma_m: float
     speed_sigma_mps: float
     course_sigma_deg: float
     start_turn_sigma_rad_s: float
+    acceleration_walk_mps: float
 
 
 @dataclass(frozen=True, slots=True)

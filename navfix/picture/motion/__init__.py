@@ -3,11 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 
 from navfix.catalog import AisModel
 from navfix.errors import InputError
-from navfix.picture.motion import constant_acceleration, constant_turn, constant_velocity, persisting
+from navfix.picture.motion import (
+    constant_acceleration,
+    constant_turn,
+    constant_velocity,
+    ekf,
+    grey_model,
+    persisting,
+    smoother,
+    spline,
+    turn_filter,
+    ukf,
+)
 from navfix.picture.motion.history import History, Point, history
 from navfix.picture.motion.outcome import Carried, Declined
 
@@ -21,6 +33,11 @@ MODELS: Mapping[str, MotionModel] = MappingProxyType(
         "constant_acceleration": constant_acceleration.carry,
         "constant_turn": constant_turn.carry,
         "persisting": persisting.carry,
+        "grey": grey_model.carry,
+        "spline": spline.carry,
+        "smoother": smoother.carry,
+        "unscented": partial(turn_filter.carry, predict=ukf.predict),
+        "extended": partial(turn_filter.carry, predict=ekf.predict),
     }
 )
 DEFAULT = "persisting"

@@ -32,8 +32,8 @@ class History:
     """Reports of one station, newest first.
 
     ``north_m`` and ``east_m`` (n,) count from the newest position, ``origin``; ``speed_mps`` and ``course_rad`` (n,)
-    are NaN where they were not told; courses are unwrapped from the newest one. ``turn_rate_rad_s`` is the newest
-    report's own.
+    are NaN where they were not told; courses are unwrapped from the newest one. ``lat_deg`` and ``lon_deg`` (n,) as
+    reported. ``turn_rate_rad_s`` is the newest report's own.
     """
 
     origin: Position
@@ -42,6 +42,8 @@ class History:
     east_m: FloatArray
     speed_mps: FloatArray
     course_rad: FloatArray
+    lat_deg: FloatArray
+    lon_deg: FloatArray
     turn_rate_rad_s: float | None = None
 
     def __len__(self) -> int:
@@ -74,6 +76,8 @@ def history(points: Iterable[Point]) -> History:
         east_m=plane[:, 1],
         speed_mps=np.array([math.nan if p.speed_mps is None else p.speed_mps for p in kept], dtype=np.float64),
         course_rad=unwrapped(course),
+        lat_deg=np.array([p.lat_deg for p in kept]),
+        lon_deg=np.array([p.lon_deg for p in kept]),
         turn_rate_rad_s=None if rate is None else math.radians(rate) / 60.0,
     )
 
@@ -88,6 +92,8 @@ def since(past: History, earliest_s: float) -> History:
         past.east_m[:count],
         past.speed_mps[:count],
         past.course_rad[:count],
+        past.lat_deg[:count],
+        past.lon_deg[:count],
         past.turn_rate_rad_s,
     )
 
