@@ -1,7 +1,8 @@
 """When an AIS position held, in the clock of the log: its own second of the minute tells better than its reception.
 
 A report tells the second of the minute (UTC) of its position; it is received some seconds later, over a network perhaps
-ten. The log may keep another time than UTC: where positions seem to be received before they held, its clock is slow.
+ten. Where a log shows positions before they held, its clock and the seconds contradict each other: then the receptions
+count, because the radar's sentences are timed by them too, and their scatter widens the sigma of moving marks.
 """
 
 from __future__ import annotations
@@ -26,22 +27,27 @@ class AisClock:
         self._stations: dict[int, deque[float]] = {}
         self._count = 0
         self._delay_s = 0.0
+        self._scatter_s = 0.0
 
     @property
     def offset_s(self) -> float:
-        """Clock of the log minus UTC [s]: 0 unless it is told to be off.
+        """Clock of the log minus UTC [s] as the seconds tell it: 0 unless they contradict it.
 
         A median delay of -3 to 15 s is how reports come; with less, positions would be received before they held.
         """
         return 0.0 if SLOWEST_S <= self._delay_s <= LATEST_S else self._delay_s
 
+    @property
+    def scatter_s(self) -> float:
+        """1 sigma [s] of the receptions about the positions where they have to time them, else 0."""
+        return self._scatter_s if self.offset_s else 0.0
+
     def position_time(self, mmsi: int, received_s: float, utc_second: int | None) -> float:
         """Return when a position held [POSIX s, clock of the log]; without a second it is taken as received."""
         if utc_second is None:
             return received_s
-        delay_s = delay(received_s, utc_second)
-        self._learn(mmsi, delay_s)
-        return position_time(received_s, utc_second, self._offset_of(mmsi))
+        self._learn(mmsi, delay(received_s, utc_second))
+        return received_s if self.offset_s else position_time(received_s, utc_second, self._offset_of(mmsi))
 
     def _learn(self, mmsi: int, delay_s: float) -> None:
         self._all.append(delay_s)
@@ -49,14 +55,13 @@ class AisClock:
         self._count += 1
         if self._count % LEARN_EVERY == 0:
             self._delay_s = circular_median(self._all)
+            self._scatter_s = 1.4826 * median(abs(delay_from(d, self._delay_s)) for d in self._all)
 
     def _offset_of(self, mmsi: int) -> float:
-        """Return the offset of a station's seconds: the log's, unless its own clock is more than `ASTRAY_S` off."""
+        """Return how receptions lie to the seconds of a station whose own clock is more than `ASTRAY_S` off, else 0."""
         own = self._stations[mmsi]
-        if len(own) < LEAST_STATION:
-            return self.offset_s
-        apart_s = delay_from(circular_median(own), self.offset_s)
-        return self.offset_s + apart_s if abs(apart_s) > ASTRAY_S else self.offset_s
+        apart_s = circular_median(own) if len(own) >= LEAST_STATION else 0.0
+        return apart_s if abs(apart_s) > ASTRAY_S else 0.0
 
 
 def position_time(received_s: float, utc_second: int | None, offset_s: float = 0.0) -> float:

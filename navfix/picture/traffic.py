@@ -86,7 +86,7 @@ class Traffic:
 
     @property
     def clock_offset_s(self) -> float:
-        """Clock of the log minus UTC [s] as the AIS reports tell it; 0 where they do not contradict it."""
+        """Clock of the log minus UTC [s] as the seconds of the AIS reports tell it; 0 where they agree."""
         return self._clock.offset_s
 
     def own_gnss(self) -> AisPosition | None:
@@ -113,6 +113,8 @@ class Traffic:
         past = None if is_still(station.report) else self.history(mmsi)
         if past is None:
             return Carried(0.0, 0.0, still_sigma_m(age_s, model))
+        if self._clock.scatter_s:
+            model = replace(model, clock_sigma_s=math.hypot(model.clock_sigma_s, self._clock.scatter_s))
         return carry(past, at_s, model, name=self._motion)
 
     def _merge_static(self, record: AisStatic) -> None:

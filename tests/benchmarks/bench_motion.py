@@ -13,6 +13,7 @@ import sys
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from navfix.catalog import AisModel, ais_model, persisting_model
 from navfix.picture.motion import DEFAULT, MODELS, Carried, History, Point, history
-from navfix.picture.motion.growth import step_sigma_m
 from navfix.picture.motion.steering import Steering, steering
 from navfix.picture.traffic import HISTORY_REPORTS, HISTORY_S
 from tests.benchmarks.motion_data import Track, real_tracks, simulated_tracks
@@ -47,6 +47,7 @@ class Sample:
     past: History
     around: History
     left_out: Point
+    scatter_s: float
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,8 @@ def _sample(track: Track, age: int, k: int, j: int) -> Sample:
     gap_s = track.points[j].time_s - track.points[k].time_s
     after = [p for p in track.points[j + 1 :] if p.time_s >= track.points[j].time_s + 0.8 * gap_s][:HISTORY_REPORTS]
     past = history(before)
-    return Sample(track.log, track.ais_class, age, past, history([*before, *after]) if after else past, track.points[j])
+    around = history([*before, *after]) if after else past
+    return Sample(track.log, track.ais_class, age, past, around, track.points[j], track.scatter_s)
 
 
 def outcome(name: str, chosen: Sequence[Sample]) -> Outcome:
@@ -98,12 +100,19 @@ def outcome(name: str, chosen: Sequence[Sample]) -> Outcome:
     error, sigma = np.full(len(chosen), np.nan), np.full(len(chosen), np.nan)
     for i, sample in enumerate(chosen):
         past = sample.around if name in BOTH_SIDES else sample.past
-        carried = MODELS[name](past, sample.left_out.time_s, ais_model("class_a"))
+        carried = MODELS[name](past, sample.left_out.time_s, class_a(sample.scatter_s))
         if isinstance(carried, Carried):
             there = history([replace(sample.left_out, time_s=0.0), _origin(past)])
             error[i] = math.hypot(there.north_m[1] + carried.north_m, there.east_m[1] + carried.east_m)
             sigma[i] = carried.sigma_m
     return Outcome(error, sigma)
+
+
+@cache
+def class_a(scatter_s: float) -> AisModel:
+    """Return the growth of class A where the times of the reports scatter."""
+    model = ais_model("class_a")
+    return replace(model, clock_sigma_s=math.hypot(model.clock_sigma_s, scatter_s))
 
 
 def _origin(past: History) -> Point:
@@ -152,6 +161,7 @@ class Growth:
     def __init__(self, chosen: Sequence[Sample]) -> None:
         rows = [(s.speed_mps, abs(s.turn_rate_rad_s), s.unsteadiness_rad, s.span_s, age) for s, age in features(chosen)]
         self.speed, self.rate, self.unsteady, self.span, self.age = np.array(rows).T
+        self.scatter = np.array([sample.scatter_s for sample in chosen])
 
     def sigma_m(self, x: np.ndarray, where: np.ndarray | slice = slice(None)) -> np.ndarray:
         clock, speed_sigma, share, floor, time_s, turn, unsteady, typical = x
@@ -160,7 +170,7 @@ class Growth:
         turned = np.minimum(self.rate[where] * t, 1.5)
         return np.sqrt(
             1.0
-            + (clock * v) ** 2
+            + (np.hypot(clock, self.scatter[where]) * v) ** 2
             + (speed_sigma * t) ** 2
             + ((share * v + floor) * t * t / (t + time_s)) ** 2
             + (turn * turned * v * t) ** 2
@@ -217,11 +227,6 @@ def shipped_coverage(chosen: Sequence[Sample], result: Outcome) -> str:
         where = np.array([s.ais_class == name for s in chosen])
         lines.append(f"| {name} | " + " | ".join(coverage(inside, chosen, where)) + " |")
     return "\n".join(lines)
-
-
-def model_of(steers: Steering, age_s: float, model: AisModel) -> float:
-    """Return the sigma by the module itself: `Growth` must agree with it (tested)."""
-    return step_sigma_m(steers, age_s, model)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -36,12 +36,16 @@ CLASS_B_GAP_S = 27.0  # class B reports every 30 s under way: tells the class wh
 
 @dataclass(frozen=True)
 class Track:
-    """The reports of one station in one log, by the time at which they held; ``moves`` as the picture decides."""
+    """The reports of one station in one log, by the time at which they held; ``moves`` as the picture decides.
+
+    ``scatter_s`` is the sigma of these times where they had to be those of the reception.
+    """
 
     log: str
     ais_class: str
     points: tuple[Point, ...]
     moves: tuple[bool, ...]
+    scatter_s: float = 0.0
 
 
 def real_tracks() -> list[Track]:
@@ -64,7 +68,8 @@ def _of_log(path: Path) -> Iterator[Track]:
             point = Point(time_s, report.lat_deg, report.lon_deg, *motion)
             stations.setdefault(report.mmsi, []).append((point, not is_still(report), report.ais_class or "A"))
     for rows in stations.values():
-        yield _track(path.name, rows[0][2], [(point, moves) for point, moves, _ in rows])
+        track = _track(path.name, rows[0][2], [(point, moves) for point, moves, _ in rows])
+        yield replace(track, scatter_s=clock.scatter_s)
 
 
 def _of_table(path: Path) -> Iterator[Track]:
