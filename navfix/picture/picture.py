@@ -9,9 +9,19 @@ from datetime import UTC, datetime
 
 from navfix.catalog import RadarModel, radar_model
 from navfix.geodesy import direct
-from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, Record, TargetReport
+from navfix.nmea.records import (
+    AisPosition,
+    AisStatic,
+    OwnHeading,
+    OwnPosition,
+    OwnSpeed,
+    OwnTurnRate,
+    Record,
+    TargetReport,
+)
 from navfix.picture.scans import Scan, ScanBuilder
 from navfix.picture.traffic import Traffic
+from navfix.picture.turn import TurnMotion
 from navfix.types import Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
 
 GYRO_SIGMA_DEG = 1.5
@@ -39,6 +49,7 @@ class Picture:
         self._charted = tuple(charted)
         self._traffic = Traffic()
         self._scans = ScanBuilder()
+        self._turn = TurnMotion()
         self._heading: OwnHeading | None = None
         self._speed: OwnSpeed | None = None
         self._gnss: OwnPosition | None = None
@@ -47,11 +58,15 @@ class Picture:
         """Take one record; return the radar scan that it completes, if it does."""
         match record:
             case TargetReport():
-                return self._scans.feed(record)
+                return self._noted(self._scans.feed(record))
             case AisPosition() | AisStatic():
                 self._traffic.feed(record)
             case OwnHeading() if record.valid and record.time_s is not None:
                 self._heading = _better_heading(self._heading, record)
+                if self._heading is record:
+                    self._turn.heading(record)
+            case OwnTurnRate():
+                self._turn.turn_rate(record)
             case OwnSpeed() if record.time_s is not None and not record.from_gnss:
                 self._speed = _better_speed(self._speed, record)
             case OwnPosition() if record.valid and record.time_s is not None:
@@ -62,22 +77,29 @@ class Picture:
 
     def flush(self) -> Scan | None:
         """Return the last scan where it is complete: for the end of a log."""
-        return self._scans.flush()
+        return self._noted(self._scans.flush())
 
     def epoch(self, scan: Scan) -> Epoch:
         """Reduce everything to the instant of a scan."""
         began_s = time.perf_counter()
         marks, left_out = self._traffic.marks(scan.time_s)
+        heading, speed = self._heading_hint(scan.time_s), self._speed_hint(scan.time_s)
+        reports = self._turn.aligned(scan, speed, heading)
         return Epoch(
             time_utc=datetime.fromtimestamp(scan.time_s, UTC),
-            targets=tuple(radar_target(report, self._radar) for report in scan.reports),
+            targets=tuple(radar_target(report, self._radar) for report in reports),
             marks=(*marks, *self._charted),
-            heading_hint=self._heading_hint(scan.time_s),
-            speed_hint=self._speed_hint(scan.time_s),
+            heading_hint=heading,
+            speed_hint=speed,
             gnss=self._gnss_report(scan.time_s),
             left_out=tuple(sorted(left_out.items())),
             build_ms=round(1e3 * (time.perf_counter() - began_s), 3),
         )
+
+    def _noted(self, scan: Scan | None) -> Scan | None:
+        if scan is not None:
+            self._turn.note(scan)
+        return scan
 
     def _heading_hint(self, at_s: float) -> HeadingHint | None:
         heading = self._heading

@@ -30,7 +30,7 @@ from navfix.types import Association, Epoch, Fix, Position
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "marce"
 BIAS_DEG = {"marce_01_004": -3.2, "marce_01_010": -3.5}  # of the recording, true pose against AIS
 GATE_M, GATE_DEG = 250.0, 4.0
-OFFSETS_S = (-12.0, -9.0, -7.0, -5.0, -3.0, -1.0, 0.0, 1.0, 3.0, 5.0)
+OFFSETS_S = (-7.0, -3.0, -1.0, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 12.0)
 
 
 def truth(name: str) -> np.ndarray:
@@ -100,10 +100,11 @@ def study(name: str, every: int) -> None:
         own_time = np.array(
             [inverse(f.position, pose_at(rows, e.time_utc.timestamp() + offset_s)[0])[0] for e, f in found]
         )
-        wssr = np.median([f.sigma0 for _, f in found])
+        sigma0 = np.median([f.sigma0 for _, f in found])
         print(
             f"  offset {offset_s:+5.1f} s: {len(found)} fixes, error median {np.median(errors):5.1f} / 95 % "
-            f"{np.percentile(errors, 95):5.1f} m (at the radar's own time {np.median(own_time):5.1f}), sigma0 {wssr:.2f}"
+            f"{np.percentile(errors, 95):5.1f} m (own ship at the stamped time: {np.median(own_time):5.1f}), "
+            f"sigma0 {sigma0:.2f}"
         )
     told = ClockOffset(span_s=1e9)
     for _, fix in shifted(chosen, rows, 0.0, BIAS_DEG[name]):
