@@ -55,8 +55,10 @@ class RadarModel:
 class AisModel:
     """How far a report of one AIS class can be trusted, 1 sigma per axis, and how that grows with its age.
 
-    Sigma of the report itself by its accuracy flag; of a moving ship's speed, course and unknown acceleration; of the
-    time between the AIS and the radar clock; of a still ship's swing. Reports older than ``oldest_*_s`` are dropped.
+    Sigma of the report itself by its accuracy flag; of the time of the report (``clock_sigma_s``) and of the speed of a
+    moving ship; how its path spreads (theory, eq. 8.5): as a share of the way in general, by its turning, by the
+    unsteadiness of its course, each a share without unit; how a still ship drifts, at most to its swing. Reports older
+    than ``oldest_*_s`` are dropped.
     """
 
     name: str
@@ -64,10 +66,15 @@ class AisModel:
     source: str
     accurate_sigma_m: float
     default_sigma_m: float
-    speed_sigma_mps: float
-    course_sigma_deg: float
-    acceleration_mps2: float
     clock_sigma_s: float
+    speed_sigma_mps: float
+    path_share: float
+    path_floor_mps: float
+    path_time_s: float
+    turn_share: float
+    unsteady_share: float
+    typical_unsteadiness_rad: float
+    still_sigma_mps: float
     swing_sigma_m: float
     oldest_moving_s: float
     oldest_still_s: float
@@ -134,6 +141,58 @@ class TrackModel:
     radar_speed_sigma_mps: float
     longest_gap_s: float
     longest_jump_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class PersistingModel:
+    """How the steering of a ship is read from its reports, and how long it goes on (models/motion/persisting.toml).
+
+    Regressions of course and speed over ``*_memory_s``, shrunk by ``*_shrink_s2``; ``reported_turn_share`` is the
+    weight of a rate of turn that the ship reports itself. What was found lasts ``*_persist_s``; reported speed and
+    course lag behind by ``lag_s``.
+    """
+
+    name: str
+    title: str
+    source: str
+    turn_memory_s: float
+    turn_shrink_s2: float
+    turn_persist_s: float
+    reported_turn_share: float
+    speed_memory_s: float
+    speed_shrink_s2: float
+    speed_persist_s: float
+    way_persist_s: float
+    lag_s: float
+    fastest_turn_rad_s: float
+    strongest_mps2: float
+
+
+@dataclass(frozen=True, slots=True)
+class FilterModel:
+    """Constants of the Kalman filters with a coordinated turn (see models/motion/turn_filter.toml).
+
+    ``alpha``, ``beta``, ``kappa`` of the scaled unscented transform; process noise as standard deviations per square
+    root of a second; the rate of turn fades with ``turn_persist_s``; sigmas of what a report measures;
+    ``acceleration_walk_mps`` is that of each axis in the linear filter.
+    """
+
+    name: str
+    title: str
+    source: str
+    alpha: float
+    beta: float
+    kappa: float
+    position_walk_m: float
+    speed_walk_mps: float
+    course_walk_rad: float
+    turn_walk_rad_s: float
+    turn_persist_s: float
+    position_sigma_m: float
+    speed_sigma_mps: float
+    course_sigma_deg: float
+    start_turn_sigma_rad_s: float
+    acceleration_walk_mps: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,6 +340,23 @@ def outline_model(name: str | OutlineModel = "digitised") -> OutlineModel:
 def track_model(name: str | TrackModel = "polar") -> TrackModel:
     """Return the constants of the filters of one sensor by name in models/track, or the record itself."""
     return name if isinstance(name, TrackModel) else _load("track", name, TrackModel)
+
+
+def persisting_model(name: str | PersistingModel = "persisting") -> PersistingModel:
+    """Return the constants of the persisting motion by name in models/motion, or the record itself."""
+    return name if isinstance(name, PersistingModel) else _load("motion", name, PersistingModel)
+
+
+def filter_model(name: str | FilterModel = "turn_filter") -> FilterModel:
+    """Return the constants of the Kalman filters of motion by name in models/motion, or the record itself."""
+    return name if isinstance(name, FilterModel) else _load("motion", name, FilterModel)
+
+
+def motion_model(name: str | PersistingModel | FilterModel) -> PersistingModel | FilterModel:
+    """Return the constants of any motion model by name in models/motion, or the record itself."""
+    if not isinstance(name, str):
+        return name
+    return filter_model(name) if "alpha" in table("motion", name) else persisting_model(name)
 
 
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:

@@ -10,11 +10,21 @@ from datetime import UTC, datetime
 
 from navfix.catalog import RadarModel, radar_model
 from navfix.geodesy import direct
-from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, Record, TargetReport
+from navfix.nmea.records import (
+    AisPosition,
+    AisStatic,
+    OwnHeading,
+    OwnPosition,
+    OwnSpeed,
+    OwnTurnRate,
+    Record,
+    TargetReport,
+)
 from navfix.picture.charted import ChartedMarks
 from navfix.picture.choice import choose
 from navfix.picture.scans import Scan, ScanBuilder
 from navfix.picture.traffic import Traffic
+from navfix.picture.turn import TurnMotion
 from navfix.types import ChartCheck, Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
 
 GYRO_SIGMA_DEG = 1.5
@@ -42,6 +52,7 @@ class Picture:
         self._charted = ChartedMarks(charted)
         self._traffic = Traffic()
         self._scans = ScanBuilder()
+        self._turn = TurnMotion()
         self._heading: OwnHeading | None = None
         self._speed: OwnSpeed | None = None
         self._gnss: OwnPosition | None = None
@@ -50,11 +61,15 @@ class Picture:
         """Take one record; return the radar scan that it completes, if it does."""
         match record:
             case TargetReport():
-                return self._scans.feed(record)
+                return self._noted(self._scans.feed(record))
             case AisPosition() | AisStatic():
                 self._traffic.feed(record)
             case OwnHeading() if record.valid and record.time_s is not None:
                 self._heading = _better_heading(self._heading, record)
+                if self._heading is record:
+                    self._turn.heading(record)
+            case OwnTurnRate():
+                self._turn.turn_rate(record)
             case OwnSpeed() if record.time_s is not None and not record.from_gnss:
                 self._speed = _better_speed(self._speed, record)
             case OwnPosition() if record.valid and record.time_s is not None:
@@ -65,18 +80,19 @@ class Picture:
 
     def flush(self) -> Scan | None:
         """Return the last scan where it is complete: for the end of a log."""
-        return self._scans.flush()
+        return self._noted(self._scans.flush())
 
     def epoch(self, scan: Scan) -> Epoch:
         """Reduce everything to the instant of a scan."""
         began_s = time.perf_counter()
         marks, left_out, chart = self._marks(scan)
+        heading, speed = self._heading_hint(scan.time_s), self._speed_hint(scan.time_s)
         epoch = Epoch(
             time_utc=datetime.fromtimestamp(scan.time_s, UTC),
-            targets=tuple(radar_target(report, self._radar) for report in scan.reports),
+            targets=tuple(radar_target(report, self._radar) for report in self._turn.aligned(scan, speed, heading)),
             marks=marks,
-            heading_hint=self._heading_hint(scan.time_s),
-            speed_hint=self._speed_hint(scan.time_s),
+            heading_hint=heading,
+            speed_hint=speed,
             gnss=self._gnss_report(scan.time_s),
             left_out=tuple(sorted(left_out.items())),
             chart=chart,
@@ -91,6 +107,11 @@ class Picture:
         reach_m = max(report.range_m for report in scan.reports)
         joined = self._charted.join(marks, self._traffic.aids(scan.time_s), left_out, reach_m)
         return joined.marks, joined.left_out, joined.check
+
+    def _noted(self, scan: Scan | None) -> Scan | None:
+        if scan is not None:
+            self._turn.note(scan)
+        return scan
 
     def _heading_hint(self, at_s: float) -> HeadingHint | None:
         heading = self._heading

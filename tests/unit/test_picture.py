@@ -6,15 +6,15 @@ from datetime import UTC, datetime
 
 import pytest
 
-from navfix.catalog import ais_model, radar_model
+from navfix.catalog import radar_model
 from navfix.geodesy import direct, inverse
 from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, OwnPosition, OwnSpeed, TargetReport
 from navfix.picture import Picture, epochs
-from navfix.picture.motion import carry
 from navfix.picture.picture import radar_target
 from navfix.picture.scans import ScanBuilder, report_time
 from navfix.picture.selection import why_never_a_mark
-from navfix.picture.traffic import Traffic, position_time
+from navfix.picture.time_base import position_time
+from navfix.picture.traffic import Traffic
 from navfix.types import Hull, Position
 
 T0 = datetime(2026, 3, 1, 12, 0, tzinfo=UTC).timestamp()
@@ -89,30 +89,6 @@ def test_a_speed_that_is_relative_to_own_ship_is_not_a_speed_over_ground():
     assert radar_target(relative, radar_model("imo")).speed_mps is None
 
 
-# ------------------------------------------------------------------------------------------------------------ motion
-
-
-def test_constant_velocity_carries_along_the_course_and_back():
-    model = ais_model("class_a")
-    ahead, behind = carry(10.0, 90.0, 30.0, model), carry(10.0, 90.0, -3.0, model)
-    assert (ahead.north_m, ahead.east_m) == pytest.approx((0.0, 300.0), abs=1e-9)
-    assert behind.east_m == pytest.approx(-30.0)
-
-
-def test_sigma_grows_with_age_and_faster_for_fast_ships():
-    model = ais_model("class_a")
-    slow = [carry(2.0, 0.0, age, model).sigma_m for age in (0.0, 10.0, 60.0)]
-    fast = [carry(12.0, 0.0, age, model).sigma_m for age in (0.0, 10.0, 60.0)]
-    assert slow == sorted(slow)
-    assert all(f > s for f, s in zip(fast, slow, strict=True))
-
-
-def test_a_ship_without_speed_may_have_gone_anywhere_and_one_at_anchor_swings():
-    model = ais_model("class_a")
-    assert carry(None, None, 60.0, model).sigma_m > 60.0
-    assert carry(0.1, 200.0, 600.0, model).sigma_m <= 2.0 * model.swing_sigma_m
-
-
 # --------------------------------------------------------------------------------------------------------- selection
 
 
@@ -151,7 +127,7 @@ def test_own_ship_is_known_by_its_mmsi_once_it_was_heard():
 
 
 def test_a_mark_is_carried_to_the_instant_and_centred_on_its_hull():
-    traffic = Traffic()
+    traffic = Traffic(motion="constant_velocity")
     traffic.feed(replace(SHIP, heading_deg=90.0))
     traffic.feed(AisStatic(T0, SHIP.mmsi, 5, Hull(150.0, 50.0, 10.0, 10.0), 70, "TANKER"))
     (mark,), _ = traffic.marks(T0 + 20.0)
@@ -193,6 +169,7 @@ def test_both_parts_of_static_data_are_kept():
 def test_the_second_of_the_minute_times_a_position_where_the_reception_allows_it():
     assert position_time(T0 + 3.0, 1) == T0 + 1.0
     assert position_time(T0 + 3.0, 5) == T0 + 5.0
+    assert position_time(T0 + 3.0, 58) == T0 - 2.0
     assert position_time(T0 + 3.0, 40) == T0 + 3.0
     assert position_time(T0 + 3.0, None) == T0 + 3.0
 

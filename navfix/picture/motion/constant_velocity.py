@@ -1,41 +1,40 @@
-"""Constant speed and course: the plain model, with a sigma that grows with the age of the report."""
+"""Constant speed and course: the plain model."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
 
-from navfix.catalog import AisModel
+from navfix.catalog import AisModel, persisting_model
+from navfix.picture.motion.growth import drift_sigma_m, step_sigma_m, still_sigma_m
+from navfix.picture.motion.history import History
+from navfix.picture.motion.outcome import Carried
+from navfix.picture.motion.steering import STILL_MPS, Steering, steering
 
-STILL_MPS = 0.3  # below this a reported course is noise
-
-
-@dataclass(frozen=True, slots=True)
-class Carried:
-    """A step (north, east) [m] from the reported position and the sigma per axis [m] that the step adds."""
-
-    north_m: float
-    east_m: float
-    sigma_m: float
+Step = Callable[[Steering, float], tuple[float, float]]
 
 
-def carry(speed_mps: float | None, course_deg: float | None, age_s: float, model: AisModel) -> Carried:
-    """Carry a report forward by ``age_s`` (backward where negative) with constant speed and course over ground.
+def carry(past: History, at_s: float, model: AisModel) -> Carried:
+    """Carry the newest report to an instant (backward where it is younger) with its speed and course over ground."""
+    return steered(past, at_s, model, straight)
 
-    Sigma: speed and course error and an unknown acceleration grow with age; the clocks of radar and AIS differ.
-    A ship without speed or course may have drifted at up to two knots.
+
+def steered(past: History, at_s: float, model: AisModel, step: Step) -> Carried:
+    """Carry a ship by ``step``, which makes (north, east) [m] of its steering and the age [s].
+
+    A ship without speed or course may have drifted at up to two knots; one that lies still swings.
     """
-    age = abs(age_s)
-    if speed_mps is None or (course_deg is None and speed_mps > STILL_MPS):
-        return Carried(0.0, 0.0, 1.0 * age + model.swing_sigma_m)
-    if speed_mps <= STILL_MPS or course_deg is None:
-        return Carried(0.0, 0.0, min(STILL_MPS * age, 2.0 * model.swing_sigma_m))
-    distance_m = speed_mps * age_s
-    sigma_m = math.sqrt(
-        (model.speed_sigma_mps * age) ** 2
-        + (math.radians(model.course_sigma_deg) * speed_mps * age) ** 2
-        + (0.5 * model.acceleration_mps2 * age**2) ** 2
-        + (model.clock_sigma_s * speed_mps) ** 2
-    )
-    course_rad = math.radians(course_deg)
-    return Carried(distance_m * math.cos(course_rad), distance_m * math.sin(course_rad), sigma_m)
+    age_s = at_s - float(past.time_s[0])
+    steers = steering(past, persisting_model())
+    if steers is None:
+        return Carried(0.0, 0.0, drift_sigma_m(age_s, model))
+    if steers.speed_mps <= STILL_MPS:
+        return Carried(0.0, 0.0, still_sigma_m(age_s, model))
+    north_m, east_m = step(steers, age_s)
+    return Carried(north_m, east_m, step_sigma_m(steers, age_s, model))
+
+
+def straight(steers: Steering, age_s: float) -> tuple[float, float]:
+    """Return the step (north, east) [m] of constant speed and course."""
+    way_m = steers.speed_mps * age_s
+    return way_m * math.cos(steers.course_rad), way_m * math.sin(steers.course_rad)
