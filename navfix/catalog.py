@@ -140,6 +140,35 @@ class CpdModel:
     least_probability: float
 
 
+@dataclass(frozen=True, slots=True)
+class TrackingModel:
+    """Constants of the tracker for raw plots: gate, motion, life cycle, pieces of one hull, local clutter.
+
+    Speeds and accelerations are relative to own ship. Times of the life cycle count in antenna turns; ``confirm_score``
+    is the log likelihood ratio "a ship" against "clutter" from which a track is reported.
+    """
+
+    name: str
+    title: str
+    source: str
+    gate_chi2: float
+    detection: float
+    relative_speed_mps: float
+    relative_acceleration_mps2: float
+    fastest_mps: float
+    least_hits: int
+    confirm_score: float
+    tentative_turns: float
+    lost_turns: float
+    settle_hits: int
+    piece_m: float
+    twin_turns: int
+    clutter_radius_m: float
+    clutter_turns: int
+    clutter_floor_per_km2: float
+    widest_turn_deg: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -174,6 +203,11 @@ def association_method(name: str | AssociationModel | CpdModel) -> AssociationMo
         plain: CpdModel = _load("association", name, CpdModel)
         return plain
     return association_model(name)
+
+
+def tracking_model(name: str | TrackingModel = "plots") -> TrackingModel:
+    """Return the constants of a tracker by name in models/tracking, or the record itself."""
+    return name if isinstance(name, TrackingModel) else _load("tracking", name, TrackingModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:

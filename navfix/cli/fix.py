@@ -19,6 +19,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_estimation(parser)
     options.add_association(parser)
     options.add_evidence(parser)
+    options.add_plots(parser)
     options.add_truth(parser)
     options.add_output(parser)
     parser.set_defaults(run=run)
@@ -30,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
 
     solving.refuse(args, ["chart"])
     track = solving.truth_track(args)
-    answer = solving.solve(solving.one_epoch(solving.read(args.log), args), args, track)
+    answer = solving.solve(solving.one_epoch(solving.read_all(args), args), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)
     if answer.error is not None:

@@ -27,6 +27,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_evidence(parser)
     options.add_window(parser)
     options.add_independent(parser)
+    options.add_plots(parser)
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -48,7 +49,7 @@ def run(args: argparse.Namespace) -> int:
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track = solving.truth_track(args)
-    log = solving.read(args.log)
+    log = solving.read_all(args)
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
         if count % args.every:

@@ -1,0 +1,80 @@
+"""The filter of one track: constant velocity relative to own ship, in a plane that does not turn with her."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.types import FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measured:
+    """A plot in the plane: position (2,) [m] and its covariance (2, 2) [m2]."""
+
+    position: FloatArray
+    covariance: FloatArray
+
+
+def measured(range_m: float, bearing_deg: float, range_sigma_m: float, bearing_sigma_deg: float) -> Measured:
+    """Return range and bearing as a position with covariance, eq. (8.2)."""
+    bearing_rad = math.radians(bearing_deg)
+    cos, sin = math.cos(bearing_rad), math.sin(bearing_rad)
+    turn = np.array([[cos, -sin], [sin, cos]])
+    variance = np.array([range_sigma_m**2, (range_m * math.radians(bearing_sigma_deg)) ** 2])
+    return Measured(range_m * turn[:, 0], (turn * variance) @ turn.T)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """Position and velocity relative to own ship (4,) [m, m/s] with covariance (4, 4), at a time [POSIX s]."""
+
+    time_s: float
+    mean: FloatArray
+    covariance: FloatArray
+
+    @property
+    def range_m(self) -> float:
+        return math.hypot(self.mean[0], self.mean[1])
+
+    @property
+    def bearing_deg(self) -> float:
+        """Bearing in the plane of the tracker, which does not turn with own ship."""
+        return math.degrees(math.atan2(self.mean[1], self.mean[0])) % 360.0
+
+    @property
+    def speed_mps(self) -> float:
+        return math.hypot(self.mean[2], self.mean[3])
+
+
+def start(time_s: float, seen: Measured, speed_sigma_mps: float) -> State:
+    """Return the state after one plot: the velocity is zero with the sigma of relative speeds at sea."""
+    covariance = np.zeros((4, 4))
+    covariance[:2, :2] = seen.covariance
+    covariance[2:, 2:] = speed_sigma_mps**2 * np.eye(2)
+    return State(time_s, np.concatenate([seen.position, np.zeros(2)]), covariance)
+
+
+def predict(state: State, time_s: float, acceleration_mps2: float) -> State:
+    """Carry a state to another time, eq. (8.3); the acceleration is white from turn to turn."""
+    dt = time_s - state.time_s
+    transition = np.eye(4)
+    transition[0, 2] = transition[1, 3] = dt
+    gain = np.zeros((4, 2))
+    gain[0, 0] = gain[1, 1] = 0.5 * dt * dt
+    gain[2, 0] = gain[3, 1] = dt
+    noise = acceleration_mps2**2 * (gain @ gain.T)
+    return State(time_s, transition @ state.mean, transition @ state.covariance @ transition.T + noise)
+
+
+def update(state: State, seen: Measured) -> State:
+    """Take a plot into a state of the same time, eq. (8.4), in Joseph's form."""
+    innovation_covariance = state.covariance[:2, :2] + seen.covariance
+    gain = np.linalg.solve(innovation_covariance, state.covariance[:2, :]).T
+    mean = state.mean + gain @ (seen.position - state.mean[:2])
+    keep = np.eye(4)
+    keep[:, :2] -= gain
+    covariance = keep @ state.covariance @ keep.T + gain @ seen.covariance @ gain.T
+    return State(state.time_s, mean, covariance)

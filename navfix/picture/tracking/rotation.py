@@ -1,0 +1,48 @@
+"""How far own ship has turned between two looks: the change of bearing that all targets share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from navfix.types import FloatArray
+from navfix.units import wrap_180
+
+LEAST_TRACKS = 3
+_TOGETHER_DEG = 2.5
+
+
+def weighted_median(values: FloatArray, weights: FloatArray) -> float:
+    """Return the value that half of the weight lies below."""
+    order = np.argsort(values)
+    below = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(below, 0.5 * below[-1])])
+
+
+def common_change_deg(
+    before: tuple[FloatArray, FloatArray], now: tuple[FloatArray, FloatArray], *, gate_m: FloatArray, widest_deg: float
+) -> float:
+    """Return by how many degrees the bearings of what was seen ``before`` have grown ``now``: eq. (8.1).
+
+    Every pair of like range proposes its own change; the change that most of the tracks share within 2.5 deg wins, each
+    track counted once, and of its pairs the range-weighted median is taken. 0 where fewer than three tracks agree, or
+    not a third of those that propose anything: then nothing proves a turn.
+
+    Parameters
+    ----------
+    before, now : ranges [m] (n,), (m,) and bearings [deg] (n,), (m,): predicted for this look, and seen
+    gate_m : (n,) how far a range may be off [m]
+    widest_deg : the largest change that is looked for
+    """
+    change_deg = wrap_180(now[1][None, :] - before[1][:, None])
+    like = (np.abs(now[0][None, :] - before[0][:, None]) <= gate_m[:, None]) & (np.abs(change_deg) <= widest_deg)
+    track, plot = np.nonzero(like)
+    if len(track) == 0:
+        return 0.0
+    proposed_deg, weight = change_deg[track, plot], before[0][track]
+    together = np.abs(proposed_deg[:, None] - proposed_deg[None, :]) <= _TOGETHER_DEG
+    support = np.array([len(np.unique(track[row])) for row in together], dtype=np.float64)
+    best = int(np.argmax(support - 0.5 * np.abs(proposed_deg) / widest_deg))  # of equals, the smallest change
+    if support[best] < max(LEAST_TRACKS, len(np.unique(track)) / 3.0):
+        return 0.0
+    chosen = together[best]
+    return weighted_median(proposed_deg[chosen], weight[chosen])
