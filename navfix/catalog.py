@@ -169,6 +169,34 @@ class TrackingModel:
     widest_turn_deg: float
 
 
+@dataclass(frozen=True, slots=True)
+class StitchingModel:
+    """Constants for the stitching of target numbers: when a number is cut, when two are joined, when two have changed.
+
+    ``join_log_odds`` is the least log odds "the same echo" against "another one that appears there by chance",
+    ``join_lead`` and ``swap_lead`` how far the answer must be ahead of the next one.
+    """
+
+    name: str
+    title: str
+    source: str
+    gap_s: float
+    jump_m: float
+    jump_chi2: float
+    relative_speed_mps: float
+    relative_acceleration_mps2: float
+    longest_join_s: float
+    join_chi2: float
+    join_log_odds: float
+    join_lead: float
+    least_sightings: int
+    clutter_speed_mps: float
+    swap_chi2: float
+    swap_lead: float
+    swap_guard: int
+    unseen_turn_deg: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -208,6 +236,11 @@ def association_method(name: str | AssociationModel | CpdModel) -> AssociationMo
 def tracking_model(name: str | TrackingModel = "plots") -> TrackingModel:
     """Return the constants of a tracker by name in models/tracking, or the record itself."""
     return name if isinstance(name, TrackingModel) else _load("tracking", name, TrackingModel)
+
+
+def stitching_model(name: str | StitchingModel = "numbers") -> StitchingModel:
+    """Return the constants of the stitching by name in models/stitching, or the record itself."""
+    return name if isinstance(name, StitchingModel) else _load("stitching", name, StitchingModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:

@@ -59,22 +59,38 @@ def start(time_s: float, seen: Measured, speed_sigma_mps: float) -> State:
 
 def predict(state: State, time_s: float, acceleration_mps2: float) -> State:
     """Carry a state to another time, eq. (8.3); the acceleration is white from turn to turn."""
-    dt = time_s - state.time_s
-    transition = np.eye(4)
-    transition[0, 2] = transition[1, 3] = dt
-    gain = np.zeros((4, 2))
-    gain[0, 0] = gain[1, 1] = 0.5 * dt * dt
-    gain[2, 0] = gain[3, 1] = dt
-    noise = acceleration_mps2**2 * (gain @ gain.T)
-    return State(time_s, transition @ state.mean, transition @ state.covariance @ transition.T + noise)
+    mean, covariance = carried(state.mean, state.covariance, np.array(time_s - state.time_s), acceleration_mps2)
+    return State(time_s, mean, covariance)
 
 
 def update(state: State, seen: Measured) -> State:
-    """Take a plot into a state of the same time, eq. (8.4), in Joseph's form."""
-    innovation_covariance = state.covariance[:2, :2] + seen.covariance
-    gain = np.linalg.solve(innovation_covariance, state.covariance[:2, :]).T
-    mean = state.mean + gain @ (seen.position - state.mean[:2])
-    keep = np.eye(4)
-    keep[:, :2] -= gain
-    covariance = keep @ state.covariance @ keep.T + gain @ seen.covariance @ gain.T
+    """Take a plot into a state of the same time, eq. (8.4)."""
+    mean, covariance = blended(state.mean, state.covariance, seen.position, seen.covariance)
     return State(state.time_s, mean, covariance)
+
+
+def carried(
+    mean: FloatArray, covariance: FloatArray, dt_s: FloatArray, acceleration_mps2: float
+) -> tuple[FloatArray, FloatArray]:
+    """Carry means (..., 4) and covariances (..., 4, 4) over ``dt_s`` (...), forward or backward, eq. (8.3)."""
+    transition = np.broadcast_to(np.eye(4), covariance.shape).copy()
+    transition[..., 0, 2] = transition[..., 1, 3] = dt_s
+    gain = np.zeros((*mean.shape[:-1], 4, 2))
+    gain[..., 0, 0] = gain[..., 1, 1] = 0.5 * dt_s * dt_s
+    gain[..., 2, 0] = gain[..., 3, 1] = dt_s
+    noise = acceleration_mps2**2 * (gain @ np.swapaxes(gain, -1, -2))
+    moved = (transition @ mean[..., None])[..., 0]
+    return moved, transition @ covariance @ np.swapaxes(transition, -1, -2) + noise
+
+
+def blended(
+    mean: FloatArray, covariance: FloatArray, position: FloatArray, spread: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Take positions (..., 2) with covariance (..., 2, 2) into states of the same time, eq. (8.4), in Joseph's form."""
+    innovation_covariance = covariance[..., :2, :2] + spread
+    gain = np.swapaxes(np.linalg.solve(innovation_covariance, covariance[..., :2, :]), -1, -2)
+    better = mean + (gain @ (position - mean[..., :2])[..., None])[..., 0]
+    keep = np.broadcast_to(np.eye(4), covariance.shape).copy()
+    keep[..., :, :2] -= gain
+    rest = gain @ spread @ np.swapaxes(gain, -1, -2)
+    return better, keep @ covariance @ np.swapaxes(keep, -1, -2) + rest

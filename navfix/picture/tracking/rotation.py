@@ -46,3 +46,27 @@ def common_change_deg(
         return 0.0
     chosen = together[best]
     return weighted_median(proposed_deg[chosen], weight[chosen])
+
+
+class Yaw:
+    """By how many degrees own ship has turned since the first look, with a rate between the looks."""
+
+    def __init__(self) -> None:
+        self._time_s: float | None = None
+        self._angle_deg = 0.0
+        self._rate_deg_s = 0.0
+
+    def at(self, time_s: float) -> float:
+        """Return the angle [deg] at a time [POSIX s], to starboard positive."""
+        if self._time_s is None:
+            return 0.0
+        return self._angle_deg + self._rate_deg_s * (time_s - self._time_s)
+
+    def correct(self, time_s: float, by_deg: float) -> None:
+        """Turn the angle at a look; the rate follows by half."""
+        if self._time_s is not None and time_s > self._time_s:
+            angle_deg = self.at(time_s) + by_deg
+            rate_deg_s = wrap_180(angle_deg - self._angle_deg) / (time_s - self._time_s)
+            self._rate_deg_s = 0.5 * (self._rate_deg_s + rate_deg_s)
+            self._angle_deg = angle_deg
+        self._time_s = time_s

@@ -14,10 +14,10 @@ from navfix.picture.tracking.assignment import assign
 from navfix.picture.tracking.clutter import ClutterMap
 from navfix.picture.tracking.gating import distances
 from navfix.picture.tracking.pieces import beside, clusters, joined
-from navfix.picture.tracking.rotation import common_change_deg
+from navfix.picture.tracking.rotation import LEAST_TRACKS, Yaw, common_change_deg
 from navfix.picture.tracking.tracks import Track, is_over, proves_a_ship, score_hit, score_miss
 from navfix.types import BearingReference, FloatArray
-from navfix.units import wrap_180, wrap_360
+from navfix.units import wrap_360
 
 _ANOTHER_LOOK = 0.5  # of a turn between two plots of one track
 _SAME_LOOK = 0.3  # of a turn between the pieces of one hull
@@ -50,7 +50,7 @@ class PlotTracker:
         self._turn_s, self._reference = turn_s, reference
         self._radar, self._model = radar_model(radar), tracking_model(model)
         self._clutter = ClutterMap(self._model)
-        self._yaw = _Yaw()
+        self._yaw = Yaw()
         self._tracks: list[Track] = []
         self._numbers = 0
 
@@ -76,7 +76,9 @@ class PlotTracker:
     def _follow_own_turn(self, plots: Sequence[RadarPlot], time_s: FloatArray) -> None:
         """Find how own ship has turned since the last look, from all tracks at once."""
         middle_s = float(np.median(time_s))
-        ahead = [cv.predict(track.state, middle_s, self._model.relative_acceleration_mps2) for track in self._tracks]
+        proven = [track for track in self._tracks if track.confirmed]
+        tracks = proven if len(proven) >= LEAST_TRACKS else self._tracks
+        ahead = [cv.predict(track.state, middle_s, self._model.relative_acceleration_mps2) for track in tracks]
         before = np.array([state.range_m for state in ahead]), np.array([state.bearing_deg for state in ahead])
         range_m = np.array([plot.range_m for plot in plots])
         plane_deg = np.array([plot.bearing_deg + self._yaw.at(plot.time_s) for plot in plots])
@@ -195,26 +197,3 @@ class PlotTracker:
             course_reference="relative" if relative else None,
             status="T" if track.hits >= self._model.settle_hits else "Q",
         )
-
-
-class _Yaw:
-    """By how many degrees own ship has turned since the first look, with a rate between the looks."""
-
-    def __init__(self) -> None:
-        self._time_s: float | None = None
-        self._angle_deg = 0.0
-        self._rate_deg_s = 0.0
-
-    def at(self, time_s: float) -> float:
-        if self._time_s is None:
-            return 0.0
-        return self._angle_deg + self._rate_deg_s * (time_s - self._time_s)
-
-    def correct(self, time_s: float, by_deg: float) -> None:
-        """Turn the angle at a look; the rate follows by half."""
-        if self._time_s is not None and time_s > self._time_s:
-            angle_deg = self.at(time_s) + by_deg
-            rate_deg_s = wrap_180(angle_deg - self._angle_deg) / (time_s - self._time_s)
-            self._rate_deg_s = 0.5 * (self._rate_deg_s + rate_deg_s)
-            self._angle_deg = angle_deg
-        self._time_s = time_s
