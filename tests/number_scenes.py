@@ -56,9 +56,7 @@ def recycled_numbers(*, duration_s: float = 300.0, detection: float = 0.8, seed:
     scenario = from_text(SCENE.format(duration_s=duration_s, detection=detection))
     world, model = scenario.world(seed), scenario.radar_model()
     turns, _ = radar.turns(world, scenario.radar, model, scenario.duration_s, seed)
-    reports = tracker.follow(
-        world, scenario.radar, model, turns, gyro_bias_deg=0.0, rng=random_stream(seed, "tracker")
-    )
+    reports = tracker.follow(world, scenario.radar, model, turns, gyro_bias_deg=0.0, rng=random_stream(seed, "tracker"))
     return [(report, mmsi) for report, mmsi in reports if report.status != "L"]
 
 
@@ -87,7 +85,9 @@ def with_swaps(reports: Sequence[Labelled], *, within_m: float, seed: int, most:
             for index in tracks[key]:
                 if (reports[index][0].time_s or 0.0) > at:
                     renumbered[index] = number
-    renewed = [(replace(report, number=number), mmsi) for (report, mmsi), number in zip(reports, renumbered, strict=True)]
+    renewed = [
+        (replace(report, number=number), mmsi) for (report, mmsi), number in zip(reports, renumbered, strict=True)
+    ]
     return renewed, swaps
 
 

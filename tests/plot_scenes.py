@@ -18,7 +18,7 @@ SCENE = """
     title = "plots"
     source = "test"
     start_utc = 2026-03-01T09:00:00Z
-    duration_s = 300.0
+    duration_s = 200.0
     lat_deg = 60.0
     lon_deg = 10.0
     [own]
@@ -26,7 +26,7 @@ SCENE = """
     course_deg = 80.0
     yaw_deg = 3.0
     yaw_period_s = 15.0
-    turn_at_s = 120.0
+    turn_at_s = 80.0
     turn_deg = 140.0
     turn_rate_deg_per_min = 120.0
     [[traffic]]

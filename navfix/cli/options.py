@@ -229,6 +229,9 @@ def add_plots(parser: argparse.ArgumentParser) -> None:
         choices=("relative", "true"),
         help="what their bearings count from (default: as the header says, else relative)",
     )
+    group.add_argument(
+        "--tracking", metavar="NAME", help="tracking model of the catalogue: plots (default), short_range for boats"
+    )
 
 
 def add_outlines(parser: argparse.ArgumentParser) -> None:

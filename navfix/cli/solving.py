@@ -72,8 +72,9 @@ def read_all(args: argparse.Namespace) -> Log:
     CommandError : without radar or AIS, or plots of another time than the AIS
     """
     if args.plots is None:
-        if args.plots_reference is not None:
-            raise CommandError("--plots-reference says something about --plots, which is not given")
+        for name in ("plots_reference", "tracking"):
+            if getattr(args, name) is not None:
+                raise CommandError(f"--{name.replace('_', '-')} says something about --plots, which is not given")
         return read(args.log)
     from dataclasses import replace
 
@@ -83,7 +84,12 @@ def read_all(args: argparse.Namespace) -> Log:
     log = read(args.log, targets_wanted=False)
     found = read_plots(args.plots)
     _require_common_time(log, found, args)
-    reports = track_plots(found.plots, reference=args.plots_reference or found.reference, radar=options.radar(args))
+    reports = track_plots(
+        found.plots,
+        reference=args.plots_reference or found.reference,
+        radar=options.radar(args),
+        model=args.tracking or "plots",
+    )
     if not reports:
         raise CommandError(
             f"{args.plots}: no fix: none of its {len(found.plots)} plots could be followed from turn to turn", NO_FIX

@@ -14,6 +14,8 @@ from navfix.picture.tracking.rotation import LEAST_TRACKS, Yaw, weighted_median
 from navfix.types import Epoch, FloatArray, IntArray
 from navfix.units import wrap_180
 
+_NOISE_SIGMA = 3.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sightings:
@@ -87,8 +89,8 @@ class Tracked:
 def follow(seen: Sightings, model: StitchingModel) -> Tracked:
     """Run the filter forward over every label; a new segment begins where the motion does not allow the sighting.
 
-    That is after a gap of more than ``gap_s``, a jump of more than ``jump_m``, or beyond ``jump_chi2`` of the
-    prediction.
+    That is after a gap of more than ``gap_s``, a jump of more than ``jump_m`` and the noise, or beyond ``jump_chi2`` of
+    the prediction.
     """
     count, labels = len(seen), len(seen.labels)
     out = Tracked(
@@ -189,6 +191,7 @@ def _goes_on(
     miss = tracked.position[new] - ahead[0][:, :2]
     spread = ahead[1][:, :2, :2] + tracked.spread[new]
     chi2 = np.einsum("ni,ni->n", miss, np.linalg.solve(spread, miss[..., None])[..., 0])
-    jump_m = np.hypot(*(tracked.position[new] - tracked.position[old]).T)
+    noise_m = np.sqrt(np.trace(tracked.spread[old] + tracked.spread[new], axis1=1, axis2=2))
+    jump_m = np.hypot(*(tracked.position[new] - tracked.position[old]).T) - _NOISE_SIGMA * noise_m
     goes_on: np.ndarray = (gap_s <= model.gap_s) & (jump_m <= model.jump_m) & (chi2 <= model.jump_chi2)
     return goes_on

@@ -8,6 +8,7 @@ from navfix.types import FloatArray
 from navfix.units import wrap_180
 
 LEAST_TRACKS = 3
+LEAST_ORBITING = 5
 _TOGETHER_DEG = 2.5
 
 
@@ -48,6 +49,29 @@ def common_change_deg(
     return weighted_median(proposed_deg[chosen], weight[chosen])
 
 
+def orbit_rate_rad_s(position: FloatArray, velocity: FloatArray) -> float:
+    """Return the rate [rad/s] at which all targets seem to circle about own ship, eq. (8.10).
+
+    Positions and velocities (n, 2) of the tracks. A turn of own ship that was taken for theirs looks like this: nothing
+    but their speeds tells the two apart. Fitted beside a common velocity, by least squares with Huber weights; 0 for
+    fewer than five.
+    """
+    if len(position) < LEAST_ORBITING:
+        return 0.0
+    orbit = np.stack([-position[:, 1], position[:, 0]], axis=1)
+    design = np.zeros((2 * len(position), 3))
+    design[0::2, 0], design[1::2, 1], design[:, 2] = 1.0, 1.0, orbit.ravel()
+    weight = np.ones(2 * len(position))
+    solution = np.zeros(3, dtype=np.float64)
+    for _ in range(5):
+        root = np.sqrt(weight)
+        solution[:] = np.linalg.lstsq(design * root[:, None], velocity.ravel() * root, rcond=None)[0]
+        misfit = np.hypot(*(velocity.ravel() - design @ solution).reshape(-1, 2).T)
+        scale = max(float(np.median(misfit)), 0.1)
+        weight = np.repeat(np.minimum(1.0, scale / np.maximum(misfit, 1e-9)), 2)
+    return float(solution[2])
+
+
 class Yaw:
     """By how many degrees own ship has turned since the first look, with a rate between the looks."""
 
@@ -70,3 +94,7 @@ class Yaw:
             self._rate_deg_s = 0.5 * (self._rate_deg_s + rate_deg_s)
             self._angle_deg = angle_deg
         self._time_s = time_s
+
+    def slow_down(self, rate_deg_s: float) -> None:
+        """Take a rate from the rate."""
+        self._rate_deg_s -= rate_deg_s

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,7 +16,7 @@ from navfix.picture.tracking.assignment import assign
 from navfix.picture.tracking.clutter import ClutterMap
 from navfix.picture.tracking.gating import distances
 from navfix.picture.tracking.pieces import beside, clusters, joined
-from navfix.picture.tracking.rotation import LEAST_TRACKS, Yaw, common_change_deg
+from navfix.picture.tracking.rotation import LEAST_TRACKS, Yaw, common_change_deg, orbit_rate_rad_s
 from navfix.picture.tracking.tracks import Track, is_over, proves_a_ship, score_hit, score_miss
 from navfix.types import BearingReference, FloatArray
 from navfix.units import wrap_360
@@ -22,6 +24,7 @@ from navfix.units import wrap_360
 _ANOTHER_LOOK = 0.5  # of a turn between two plots of one track
 _SAME_LOOK = 0.3  # of a turn between the pieces of one hull
 _RANGE_GATE_SIGMA = 3.5
+_ORBIT_GAIN = 0.1  # in each turn
 
 
 class PlotTracker:
@@ -59,12 +62,15 @@ class PlotTracker:
         if not plots:
             return []
         self._clutter.begin_turn()
+        self._drop_lost(plots[0].time_s)
         time_s = np.array([plot.time_s for plot in plots])
         if self._reference == "relative":
             self._follow_own_turn(plots, time_s)
         seen = [self._measured(plot) for plot in plots]
         updated, free = self._update(seen, time_s)
         self._start(seen, time_s, free)
+        if self._reference == "relative":
+            self._stop_orbiting()
         self._end_turn(float(time_s[-1]), updated)
         return sorted((self._report(track) for track in updated if track.confirmed), key=lambda r: r.time_s or 0.0)
 
@@ -90,6 +96,17 @@ class PlotTracker:
             before, (range_m, plane_deg), gate_m=gate_m, widest_deg=self._model.widest_turn_deg
         )
         self._yaw.correct(middle_s, -change_deg)
+
+    def _stop_orbiting(self) -> None:
+        """Give a part of what all targets seem to circle back to own ship's turn, where it belongs."""
+        proven = [track.state for track in self._tracks if track.confirmed]
+        mean = np.array([state.mean for state in proven]).reshape(-1, 4)
+        rate_rad_s = _ORBIT_GAIN * orbit_rate_rad_s(mean[:, :2], mean[:, 2:])
+        self._yaw.slow_down(math.degrees(rate_rad_s))
+        for track in self._tracks:
+            north_m, east_m = track.state.mean[:2]
+            slower = track.state.mean - rate_rad_s * np.array([0.0, 0.0, -east_m, north_m])
+            track.state = replace(track.state, mean=slower)
 
     def _update(self, seen: list[cv.Measured], time_s: FloatArray) -> tuple[list[Track], set[int]]:
         """Give the plots to the tracks, confirmed ones first; return the tracks that were seen and the plots left."""
@@ -154,33 +171,36 @@ class PlotTracker:
             self._tracks.append(Track(state, plots=[state.mean[:2]]))
 
     def _end_turn(self, now_s: float, updated: list[Track]) -> None:
-        """Confirm, count the misses, drop what is over or is a second track of one hull."""
+        """Confirm what is proven, count the misses, drop the younger of two tracks of one hull."""
         for track in self._tracks:
-            if track in updated:
-                if not track.confirmed and proves_a_ship(track, self._model):
-                    self._numbers += 1
-                    track.number = self._numbers
-                    track.plots.clear()
-            elif now_s - track.state.time_s > _ANOTHER_LOOK * self._turn_s:
+            if track not in updated and now_s - track.state.time_s > _ANOTHER_LOOK * self._turn_s:
                 score_miss(track, self._model)
-        self._mark_twins(updated)
+        confirmed = sorted((track for track in updated if track.confirmed), key=lambda track: track.number)
+        for track in [track for track in updated if not track.confirmed and proves_a_ship(track, self._model)]:
+            if self._beside_any(track, confirmed):
+                continue  # another piece of a hull that has its number
+            self._numbers += 1
+            track.number = self._numbers
+            track.plots.clear()
+            confirmed.append(track)
+        for index, track in enumerate(confirmed):
+            twin = self._beside_any(track, confirmed[:index])
+            track.twin_turns = track.twin_turns + 1 if twin else max(track.twin_turns - 1, 0)
+        self._tracks = [track for track in self._tracks if track.twin_turns < self._model.twin_turns]
+
+    def _drop_lost(self, now_s: float) -> None:
         for track in [track for track in self._tracks if is_over(track, now_s, self._turn_s, self._model)]:
             self._clutter.add(track.plots)
             self._tracks.remove(track)
-        self._tracks = [track for track in self._tracks if track.twin_turns < self._model.twin_turns]
 
-    def _mark_twins(self, updated: list[Track]) -> None:
-        """Count for the younger of two confirmed tracks side by side that it has been so for one turn more."""
-        confirmed = sorted((track for track in updated if track.confirmed), key=lambda track: track.number)
-        places = np.array([track.state.mean[:2] for track in confirmed]).reshape(-1, 2)
-        for index, track in enumerate(confirmed):
-            near = beside(
-                track.state.mean[:2],
-                places[:index],
-                piece_m=self._model.piece_m,
-                bearing_sigma_deg=self._radar.bearing_sigma_deg,
-            )
-            track.twin_turns = track.twin_turns + 1 if near.any() else 0
+    def _beside_any(self, track: Track, others: Sequence[Track]) -> bool:
+        near = beside(
+            track.state.mean[:2],
+            np.array([other.state.mean[:2] for other in others]).reshape(-1, 2),
+            piece_m=self._model.piece_m,
+            bearing_sigma_deg=self._radar.bearing_sigma_deg,
+        )
+        return bool(near.any())
 
     def _report(self, track: Track) -> TargetReport:
         state, relative = track.state, self._reference == "relative"
