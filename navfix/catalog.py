@@ -160,6 +160,7 @@ class TrackingModel:
     confirm_score: float
     tentative_turns: float
     lost_turns: float
+    coast_turns: float
     settle_hits: int
     piece_m: float
     twin_turns: int

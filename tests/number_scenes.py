@@ -77,7 +77,7 @@ def with_swaps(reports: Sequence[Labelled], *, within_m: float, seed: int, most:
     for pick in rng.permutation(len(pairs)):
         one, other = pairs[int(pick)]
         at = _closest(reports, tracks[one], tracks[other], within_m)
-        if at is None or one in used or other in used or swaps == most:
+        if at is None or one in used or other in used or swaps == most or _used_later(reports, (one, other), at):
             continue
         used |= {one, other}
         swaps += 1
@@ -89,6 +89,15 @@ def with_swaps(reports: Sequence[Labelled], *, within_m: float, seed: int, most:
         (replace(report, number=number), mmsi) for (report, mmsi), number in zip(reports, renumbered, strict=True)
     ]
     return renewed, swaps
+
+
+def _used_later(reports: Sequence[Labelled], pair: tuple[tuple[int, int], tuple[int, int]], at: float) -> bool:
+    """Tell whether another ship gets one of the two numbers later: then one number would stand for two targets."""
+    numbers = {key[0] for key in pair}
+    return any(
+        report.number in numbers and (report.number, mmsi) not in pair and (report.time_s or 0.0) > at
+        for report, mmsi in reports
+    )
 
 
 def _closest(reports: Sequence[Labelled], one: list[int], other: list[int], within_m: float) -> float | None:
@@ -139,3 +148,39 @@ def label_figures(labels: Iterable[Iterable[str]], mmsi: Iterable[Iterable[int]]
     total = sum(sum(counts.values()) for counts in of_label.values())
     main = sum(counts.most_common(1)[0][1] for counts in of_label.values())
     return LabelFigures(main / total, float(np.mean([len(names) for names in of_ship.values()])), len(of_label))
+
+
+@dataclass(frozen=True, slots=True)
+class LinkFigures:
+    """Precision and recall of the cuts (a number goes on with another ship) and joins (a ship with another number)."""
+
+    cut_precision: float
+    cut_recall: float
+    join_precision: float
+    join_recall: float
+
+
+def link_figures(
+    numbers: Sequence[Sequence[str]], labels: Sequence[Sequence[str]], mmsi: Sequence[Sequence[int]]
+) -> LinkFigures:
+    """Return how right the cuts and joins of labels are, over neighbouring sightings of known ships."""
+    rows = [item for trio in zip(numbers, labels, mmsi, strict=True) for item in zip(*trio, strict=True) if item[2]]
+    by_number, by_label, by_ship = (_neighbours(rows, which) for which in (0, 1, 2))
+    cut_made = [one[2] != other[2] for one, other in by_number if one[1] != other[1]]
+    cut_due = [one[1] != other[1] for one, other in by_number if one[2] != other[2]]
+    join_made = [one[2] == other[2] for one, other in by_label if one[0] != other[0]]
+    join_due = [one[1] == other[1] for one, other in by_ship if one[0] != other[0]]
+    return LinkFigures(*(float(np.mean(x)) if x else float("nan") for x in (cut_made, cut_due, join_made, join_due)))
+
+
+def _neighbours(
+    rows: list[tuple[str, str, int]], which: int
+) -> list[tuple[tuple[str, str, int], tuple[str, str, int]]]:
+    """Return each sighting with the next one of the same number (0), label (1) or ship (2)."""
+    last: dict[object, tuple[str, str, int]] = {}
+    pairs = []
+    for row in rows:
+        if row[which] in last:
+            pairs.append((last[row[which]], row))
+        last[row[which]] = row
+    return pairs

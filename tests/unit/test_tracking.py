@@ -202,6 +202,21 @@ def test_a_lost_target_comes_back_under_a_new_number() -> None:
     assert numbers == set(range(1, 9))
 
 
+def test_a_target_that_is_missed_is_carried_on_for_two_turns_and_no_longer() -> None:
+    plots = plots_of(ECHOES, 40)
+    shown = track_plots(plots)
+    hidden = track_plots([p for p in plots if not (1050.0 < p.time_s < 1060.0 and abs(p.bearing_deg - 18.5) < 9.0)])
+    times = {round((r.time_s or 0.0) - 1050.0, 1): r for r in hidden if abs(r.bearing_deg - 18.5) < 9.0}
+    carried = [r for seconds, r in times.items() if 0.0 < seconds < 10.0]
+    assert len(carried) == 2
+    for report in carried:
+        near = min(
+            shown, key=lambda r: (abs((r.time_s or 0.0) - (report.time_s or 0.0)), abs(r.range_m - report.range_m))
+        )
+        assert report.range_m == pytest.approx(near.range_m, abs=40.0)
+        assert report.bearing_deg == pytest.approx(near.bearing_deg, abs=1.0)
+
+
 def test_clutter_alone_gives_nothing() -> None:
     rng = np.random.default_rng(8)
     plots = [
@@ -225,7 +240,7 @@ def scene(request: pytest.FixtureRequest) -> PlotScene:
 
 
 def test_tracks_keep_to_their_ships_through_clutter_missed_echoes_and_a_turn(scene: PlotScene) -> None:
-    found = figures(scene, track_plots(scene.plots))
+    found = figures(scene, track_plots(scene.plots, model=replace(tracking_model("plots"), coast_turns=0.0)))
     assert found.true_share > 0.99
     assert found.purity > 0.99
     assert found.tracks_per_body < 1.2

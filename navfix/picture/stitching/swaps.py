@@ -12,6 +12,7 @@ from navfix.picture.tracking.filter import carried
 from navfix.types import FloatArray, IntArray
 
 _NEAR_SIGMA = 6.0
+_MARGIN = 3  # sightings on each side of the change that are looked at once more
 Swap = tuple[int, int, int, int]  # last sightings before, of the one and the other, and first sightings after
 
 
@@ -63,9 +64,56 @@ def _best(
     best = int(np.argmax(stay - change))
     if stay[best] - change[best] < model.swap_lead or change[best] > model.swap_chi2:
         return None
-    cut = int(cuts[best])
-    # The number changed where each sighting fits the other motion better: at the scan after the last that does not.
-    return int(a[cut]), int(b[cut]), int(a[cut + 1]), int(b[cut + 1])
+    low = max(int(cuts[best]) - _MARGIN, 0)
+    high = min(int(after[best]) + _MARGIN, len(a) - 1)
+    change_at = _change_scan(seen, tracked, back, (a[low : high + 1], b[low : high + 1]), model) + low
+    return int(a[change_at - 1]), int(b[change_at - 1]), int(a[change_at]), int(b[change_at])
+
+
+def _change_scan(
+    seen: Sightings,
+    tracked: Tracked,
+    back: tuple[FloatArray, FloatArray],
+    pair: tuple[IntArray, IntArray],
+    model: StitchingModel,
+) -> int:
+    """Return from which scan on the sightings of a pair fit the other motion better.
+
+    One motion leads from the first sighting of the one number to the last of the other, the second the other way.
+    """
+    a, b = pair
+    inside = slice(1, -1)
+    before, afterwards = np.zeros(len(a) - 2), np.zeros(len(a) - 2)
+    for rows, others in ((a, b), (b, a)):
+        for state, mine, theirs in (
+            ((tracked.mean[rows[0]], tracked.covariance[rows[0]], seen.time_s[rows[0]]), rows, others),
+            ((back[0][others[-1]], back[1][others[-1]], seen.time_s[others[-1]]), rows, others),
+        ):
+            before += _off(seen, tracked, state, mine[inside], model)
+            afterwards += _off(seen, tracked, state, theirs[inside], model)
+    total = np.concatenate([[0.0], np.cumsum(before)]) + np.concatenate([np.cumsum(afterwards[::-1])[::-1], [0.0]])
+    return int(np.argmin(total)) + 1
+
+
+def _off(
+    seen: Sightings,
+    tracked: Tracked,
+    state: tuple[FloatArray, FloatArray, float],
+    rows: IntArray,
+    model: StitchingModel,
+) -> FloatArray:
+    """Return the chi-square (2 degrees of freedom) of sightings against one state carried to their times."""
+    shape = (len(rows), 4)
+    mean, covariance = carried(
+        np.broadcast_to(state[0], shape),
+        np.broadcast_to(state[1], (*shape, 4)),
+        seen.time_s[rows] - state[2],
+        model.relative_acceleration_mps2,
+    )
+    miss = tracked.position[rows] - mean[:, :2]
+    total = covariance[:, :2, :2] + tracked.spread[rows]
+    chi2: FloatArray = np.einsum("ni,ni->n", miss, np.linalg.solve(total, miss[..., None])[..., 0])
+    return chi2
 
 
 def _mismatch(

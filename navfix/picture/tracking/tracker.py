@@ -72,7 +72,8 @@ class PlotTracker:
         if self._reference == "relative":
             self._stop_orbiting()
         self._end_turn(float(time_s[-1]), updated)
-        return sorted((self._report(track) for track in updated if track.confirmed), key=lambda r: r.time_s or 0.0)
+        reports = [self._report(track, track.state) for track in updated if track.confirmed]
+        return sorted([*reports, *self._coasted(float(time_s[-1]), updated)], key=lambda report: report.time_s or 0.0)
 
     def _measured(self, plot: RadarPlot) -> cv.Measured:
         bearing_deg = plot.bearing_deg + self._yaw.at(plot.time_s)
@@ -202,8 +203,20 @@ class PlotTracker:
         )
         return bool(near.any())
 
-    def _report(self, track: Track) -> TargetReport:
-        state, relative = track.state, self._reference == "relative"
+    def _coasted(self, now_s: float, updated: list[Track]) -> list[TargetReport]:
+        """Return where confirmed targets that this turn missed should be, for ``coast_turns`` after their last plot."""
+        missed = [track for track in self._tracks if track.confirmed and track not in updated]
+        reports = []
+        for track in missed:
+            turns = math.floor((now_s - track.state.time_s) / self._turn_s)  # the beam has passed it so often since
+            if 1 <= turns <= self._model.coast_turns:
+                due_s = track.state.time_s + turns * self._turn_s
+                ahead = cv.predict(track.state, due_s, self._model.relative_acceleration_mps2)
+                reports.append(self._report(track, ahead))
+        return reports
+
+    def _report(self, track: Track, state: cv.State) -> TargetReport:
+        relative = self._reference == "relative"
         yaw_deg = self._yaw.at(state.time_s)
         course_deg = float(np.degrees(np.arctan2(state.mean[3], state.mean[2]))) - yaw_deg
         return TargetReport(
