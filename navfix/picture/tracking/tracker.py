@@ -24,6 +24,7 @@ from navfix.units import wrap_360
 _ANOTHER_LOOK = 0.5  # of a turn between two plots of one track
 _SAME_LOOK = 0.3  # of a turn between the pieces of one hull
 _RANGE_GATE_SIGMA = 3.5
+_LATE = 0.3  # of a turn that a plot may come late: own ship turns with the beam
 _ORBIT_GAIN = 0.1  # in each turn
 
 
@@ -141,7 +142,7 @@ class PlotTracker:
             pieces = self._pieces(plot, seen, time_s, free)
             free.difference_update(pieces)
             ahead = cv.predict(track.state, float(time_s[plot]), self._model.relative_acceleration_mps2)
-            track.state = cv.update(ahead, joined(seen, [plot, *pieces]))
+            track.state, track.coasted = cv.update(ahead, joined(seen, [plot, *pieces])), 0
             if not track.confirmed:
                 track.plots.append(seen[plot].position)
         return [tracks[row] for row, _ in pairs]
@@ -205,11 +206,14 @@ class PlotTracker:
 
     def _coasted(self, now_s: float, updated: list[Track]) -> list[TargetReport]:
         """Return where confirmed targets that this turn missed should be, for ``coast_turns`` after their last plot."""
-        missed = [track for track in self._tracks if track.confirmed and track not in updated]
         reports = []
-        for track in missed:
-            turns = math.floor((now_s - track.state.time_s) / self._turn_s)  # the beam has passed it so often since
-            if 1 <= turns <= self._model.coast_turns:
+        for track in self._tracks:
+            if not track.confirmed or track in updated:
+                continue
+            # The beam has passed it so often since, and its plot would be here even if it came a little late.
+            turns = math.floor((now_s - track.state.time_s) / self._turn_s - _LATE)
+            if track.coasted < turns <= self._model.coast_turns:
+                track.coasted = turns
                 due_s = track.state.time_s + turns * self._turn_s
                 ahead = cv.predict(track.state, due_s, self._model.relative_acceleration_mps2)
                 reports.append(self._report(track, ahead))

@@ -14,8 +14,9 @@ from navfix.types import FloatArray
 class Track:
     """One track. ``number`` is 0 while it is tentative; numbers are never used twice.
 
-    ``score`` is the log likelihood ratio "a ship" against "clutter", eq. (8.7); ``plots`` (2,) [m] are kept while the
-    track is tentative: when it dies they were clutter. ``twin_turns`` counts the turns beside an older track.
+    ``score`` is the log likelihood ratio "a ship" against "clutter", eq. (8.7). ``twin_turns`` counts the turns beside
+    an older track, ``coasted`` the turns since its last plot in which it was reported without one. ``plots`` (2,) [m]
+    are kept while the track is tentative: when it dies they were clutter.
     """
 
     state: State
@@ -23,15 +24,12 @@ class Track:
     hits: int = 1
     score: float = 0.0
     twin_turns: int = 0
+    coasted: int = 0
     plots: list[FloatArray] = field(default_factory=list)
 
     @property
     def confirmed(self) -> bool:
         return self.number > 0
-
-    @property
-    def status(self) -> str:
-        return "T" if self.confirmed else "Q"
 
 
 def score_hit(track: Track, log_likelihood: float, clutter_per_m2: float, model: TrackingModel) -> None:
