@@ -198,6 +198,24 @@ class StitchingModel:
     unseen_turn_deg: float
 
 
+@dataclass(frozen=True, slots=True)
+class TrackAssociationModel:
+    """Constants of the grey relational association of tracks: resolution, reach of the candidates, sections.
+
+    ``bearing_lift_deg`` and ``speed_lift_mps`` are added before the class-ratio test, which fails near zero.
+    """
+
+    name: str
+    title: str
+    source: str
+    resolution: float
+    reach_sigma: float
+    least_points: int
+    bearing_lift_deg: float
+    speed_lift_mps: float
+    ais_sigma_m: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -242,6 +260,11 @@ def tracking_model(name: str | TrackingModel = "plots") -> TrackingModel:
 def stitching_model(name: str | StitchingModel = "numbers") -> StitchingModel:
     """Return the constants of the stitching by name in models/stitching, or the record itself."""
     return name if isinstance(name, StitchingModel) else _load("stitching", name, StitchingModel)
+
+
+def track_association_model(name: str | TrackAssociationModel = "grey") -> TrackAssociationModel:
+    """Return the constants of a track association by name in models/track_association, or the record itself."""
+    return name if isinstance(name, TrackAssociationModel) else _load("track_association", name, TrackAssociationModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:
