@@ -286,6 +286,82 @@ class ChartModel:
     most_marks: int
 
 
+@dataclass(frozen=True, slots=True)
+class TrackingModel:
+    """Constants of the tracker for raw plots: gate, motion, life cycle, pieces of one hull, local clutter.
+
+    Speeds and accelerations are relative to own ship. Times of the life cycle count in antenna turns; ``confirm_score``
+    is the log likelihood ratio "a ship" against "clutter" from which a track is reported.
+    """
+
+    name: str
+    title: str
+    source: str
+    gate_chi2: float
+    detection: float
+    relative_speed_mps: float
+    relative_acceleration_mps2: float
+    fastest_mps: float
+    least_hits: int
+    confirm_score: float
+    tentative_turns: float
+    lost_turns: float
+    coast_turns: float
+    settle_hits: int
+    piece_m: float
+    twin_turns: int
+    clutter_radius_m: float
+    clutter_turns: int
+    clutter_floor_per_km2: float
+    widest_turn_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class StitchingModel:
+    """Constants for the stitching of target numbers: when a number is cut, when two are joined, when two have changed.
+
+    ``join_log_odds`` is the least log odds "the same echo" against "another one that appears there by chance",
+    ``join_lead`` and ``swap_lead`` how far the answer must be ahead of the next one.
+    """
+
+    name: str
+    title: str
+    source: str
+    gap_s: float
+    jump_m: float
+    jump_chi2: float
+    relative_speed_mps: float
+    relative_acceleration_mps2: float
+    longest_join_s: float
+    join_chi2: float
+    join_log_odds: float
+    join_lead: float
+    least_sightings: int
+    clutter_speed_mps: float
+    swap_chi2: float
+    swap_lead: float
+    swap_guard: int
+    unseen_turn_deg: float
+
+
+@dataclass(frozen=True, slots=True)
+class TrackAssociationModel:
+    """Constants of the grey relational association of tracks: resolution, reach of the candidates, sections.
+
+    ``bearing_lift_deg`` and ``speed_lift_mps`` are added before the class-ratio test, which fails near zero.
+    """
+
+    name: str
+    title: str
+    source: str
+    resolution: float
+    reach_sigma: float
+    least_points: int
+    bearing_lift_deg: float
+    speed_lift_mps: float
+    ais_sigma_m: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -372,6 +448,21 @@ def association_method(name: str | AssociationModel | CpdModel) -> AssociationMo
         plain: CpdModel = _load("association", name, CpdModel)
         return plain
     return association_model(name)
+
+
+def tracking_model(name: str | TrackingModel = "plots") -> TrackingModel:
+    """Return the constants of a tracker by name in models/tracking, or the record itself."""
+    return name if isinstance(name, TrackingModel) else _load("tracking", name, TrackingModel)
+
+
+def stitching_model(name: str | StitchingModel = "numbers") -> StitchingModel:
+    """Return the constants of the stitching by name in models/stitching, or the record itself."""
+    return name if isinstance(name, StitchingModel) else _load("stitching", name, StitchingModel)
+
+
+def track_association_model(name: str | TrackAssociationModel = "grey") -> TrackAssociationModel:
+    """Return the constants of a track association by name in models/track_association, or the record itself."""
+    return name if isinstance(name, TrackAssociationModel) else _load("track_association", name, TrackAssociationModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:

@@ -16,6 +16,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     options.add_one_scan(parser)
     options.add_outlines(parser)
+    options.add_plots(parser)
     parser.set_defaults(run=run)
 
 
@@ -24,7 +25,7 @@ def run(args: argparse.Namespace) -> int:
     from navfix.report.writers import render
 
     track, charted = solving.truth_track(args), solving.charted_marks(args)
-    log = solving.read(args.log, charted=bool(charted))
+    log = solving.read_all(args, charted=bool(charted))
     answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 STDIN = "-"
 OUT_SUFFIXES = (".txt", ".json", ".svg", ".geojson", ".html", ".nmea", ".gpx", ".csv")
 KERNELS = "none, huber, hampel, danish, tukey, igg3, gnc"
-_INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel")
+_INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel", "plots")
 
 
 # ------------------------------------------------------------------------------------------------ values of options
@@ -230,6 +230,25 @@ def add_truth(parser: argparse.ArgumentParser) -> None:
     """Add --truth."""
     parser.add_argument(
         "--truth", metavar="CSV", type=Path, help="true track (unix,lat,lon,heading_deg): adds the error of each fix"
+    )
+
+
+def add_plots(parser: argparse.ArgumentParser) -> None:
+    """Add --plots, --plots-reference: raw echoes in place of the targets of the log."""
+    group = parser.add_argument_group("radar plots")
+    group.add_argument(
+        "--plots",
+        metavar="CSV",
+        type=Path,
+        help="raw radar plots (time, range, bearing) beside LOG; tracked, in place of the targets of LOG",
+    )
+    group.add_argument(
+        "--plots-reference",
+        choices=("relative", "true"),
+        help="what their bearings count from (default: as the header says, else relative)",
+    )
+    group.add_argument(
+        "--tracking", metavar="NAME", help="tracking model of the catalogue: plots (default), short_range for boats"
     )
 
 

@@ -28,6 +28,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_window(parser)
     options.add_independent(parser)
     options.add_outlines(parser)
+    options.add_plots(parser)
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -49,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track, charted, outlines = solving.truth_track(args), solving.charted_marks(args), solving.outlines(args)
-    log = solving.read(args.log, charted=bool(charted))
+    log = solving.read_all(args, charted=bool(charted))
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
     for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
         if count % args.every:

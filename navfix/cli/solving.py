@@ -16,16 +16,18 @@ from navfix.cli.errors import NO_FIX, UNREADABLE, CommandError
 if TYPE_CHECKING:
     from navfix.catalog import AssociationModel, CpdModel
     from navfix.nmea import Log
+    from navfix.nmea.plots import PlotFile
     from navfix.picture.outlines import Outlines
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
     from navfix.types import Association, Epoch, Mark
 
+_AIS_AGE_S = 720.0  # a ship at anchor is believed to lie there for so long
 _logger = logging.getLogger(__name__)
 
 
-def read(path: str, *, charted: bool = False) -> Log:
-    """Read LOG ("-": standard input); it must hold radar targets, and AIS unless a chart stands in for it.
+def read(path: str, *, charted: bool = False, targets_wanted: bool = True) -> Log:
+    """Read LOG ("-": standard input): radar targets where they are ``targets_wanted``, AIS unless ``charted``.
 
     Raises
     ------
@@ -47,7 +49,8 @@ def read(path: str, *, charted: bool = False) -> Log:
         first = f"; {log.problems[0]}" if log.problems else ""
         raise InputError(f"{path}: nothing readable, expected NMEA sentences{first}", source=path)
     ais = charted or any(not report.own for report in log.of(AisPosition))
-    lacking = [word for word, there in (("radar targets (TTM)", log.of(TargetReport)), ("AIS (VDM)", ais)) if not there]
+    radar = not targets_wanted or bool(log.of(TargetReport))
+    lacking = [word for word, there in (("radar targets (TTM)", radar), ("AIS (VDM)", ais)) if not there]
     if lacking:
         raise CommandError(f"{path}: no fix: the log holds no {' and no '.join(lacking)}", NO_FIX)
     if log.time_basis == "none":
@@ -77,6 +80,58 @@ def charted_marks(args: argparse.Namespace) -> tuple[Mark, ...]:
     if not found:
         raise CommandError(f"{chart.name}: no mark in it (objects ashore count with --chart-land)", UNREADABLE)
     return found
+
+
+def read_all(args: argparse.Namespace, *, charted: bool = False) -> Log:
+    """Read LOG, and --plots where it is given: the targets tracked from it stand in place of those of the log.
+
+    Raises
+    ------
+    InputError : nothing readable in one of them
+    CommandError : without radar or AIS, or plots of another time than the AIS
+    """
+    if args.plots is None:
+        for name in ("plots_reference", "tracking"):
+            if getattr(args, name) is not None:
+                raise CommandError(f"--{name.replace('_', '-')} says something about --plots, which is not given")
+        return read(args.log, charted=charted)
+    from dataclasses import replace
+
+    from navfix.nmea.plots import read_plots
+    from navfix.picture.tracking import track_plots, with_tracked_plots
+
+    log = read(args.log, charted=charted, targets_wanted=False)
+    found = read_plots(args.plots)
+    _require_common_time(log, found, args)
+    reports = track_plots(
+        found.plots,
+        reference=args.plots_reference or found.reference,
+        radar=options.radar(args),
+        model=args.tracking or "plots",
+    )
+    if not reports:
+        raise CommandError(
+            f"{args.plots}: no fix: none of its {len(found.plots)} plots could be followed from turn to turn", NO_FIX
+        )
+    return replace(log, records=tuple(with_tracked_plots(log.records, reports)))
+
+
+def _require_common_time(log: Log, found: PlotFile, args: argparse.Namespace) -> None:
+    from datetime import UTC, datetime
+
+    from navfix.nmea.records import AisPosition
+
+    ais_s = [report.time_s for report in log.of(AisPosition) if report.time_s is not None]
+    first_s, last_s = found.plots[0].time_s, found.plots[-1].time_s
+    if not ais_s or (min(ais_s) <= last_s and max(ais_s) >= first_s - _AIS_AGE_S):
+        return
+    spans = [
+        " .. ".join(f"{datetime.fromtimestamp(time_s, UTC):%Y-%m-%dT%H:%M:%SZ}" for time_s in span)
+        for span in ((first_s, last_s), (min(ais_s), max(ais_s)))
+    ]
+    raise CommandError(
+        f"{args.plots}: no fix: its plots are of {spans[0]}, the AIS of {args.log} is of {spans[1]}", NO_FIX
+    )
 
 
 def truth_track(args: argparse.Namespace) -> TruthTrack | None:
