@@ -140,6 +140,39 @@ class CpdModel:
     least_probability: float
 
 
+@dataclass(frozen=True, slots=True)
+class WindowModel:
+    """Constants of the adjustment of a window of scans, 1 sigma where they are sigmas.
+
+    ``steady_share`` of the radar's error variance stays with a track. ``velocity_walk_mps`` and ``heading_walk_deg``
+    are how far own velocity and heading wander within ``walk_time_s`` where no log and no gyro tells. A pause of more
+    than ``split_gap_s`` ends a track, one of more than ``longest_step_s`` the connection of two epochs. Variance
+    components count ``prior_dof`` degrees of freedom at 1 and stay between the smallest and the largest. A mark whose
+    constant error keeps less than ``least_static_weight`` is left out.
+    """
+
+    name: str
+    title: str
+    source: str
+    steady_share: float
+    split_gap_s: float
+    clock_sigma_s: float
+    range_bias_sigma_m: float
+    current_sigma_mps: float
+    ground_log_sigma_mps: float
+    own_speed_sigma_mps: float
+    velocity_walk_mps: float
+    heading_walk_deg: float
+    walk_time_s: float
+    gyro_step_sigma_deg: float
+    longest_step_s: float
+    prior_dof: float
+    component_rounds: int
+    smallest_component: float
+    largest_component: float
+    least_static_weight: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -174,6 +207,11 @@ def association_method(name: str | AssociationModel | CpdModel) -> AssociationMo
         plain: CpdModel = _load("association", name, CpdModel)
         return plain
     return association_model(name)
+
+
+def adjustment_model(name: str | WindowModel = "window") -> WindowModel:
+    """Return the constants of the adjustment of a window by name in models/adjustment, or the record itself."""
+    return name if isinstance(name, WindowModel) else _load("adjustment", name, WindowModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:
