@@ -13,7 +13,7 @@ from navfix.adjustment.graph import available
 from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.solve import Solver
 from navfix.adjustment.window.components import Judged, judged, with_components
-from navfix.adjustment.window.descent import DENSE_BELOW, Damper, Descended, descend
+from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
 from navfix.adjustment.window.problem import Pairs, Sighting, Window, replaced, sightings_of, times_of, window_of
 from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
@@ -177,9 +177,9 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
     """Descend with Huber's kernel, then with the wanted one; leave out marks whose constant error it has given up."""
     everything = np.ones(plan.layout.marks, bool)
     huber = Damper(plan, catalog.kernel("huber"), damping, np.ones(COMPONENTS), everything)
-    descended = descend(huber, state, tolerance=1e-3)
+    descended = descend(huber, state, tolerance=ROUGH)
     damper = replace(huber, kernel=kernel)
-    descended = descend(damper, descended.state, tolerance=1e-4)
+    descended = descend(damper, descended.state, tolerance=COARSE)
     _, weights = damper.judge(damper.rows(descended.state).residual)
     keep = weights.static >= plan.window.model.least_static_weight
     if not np.all(keep) and np.any(keep):
@@ -188,7 +188,7 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
         out = ~keep[plan.layout.static_mark(plan.window)]
         state[plan.layout.shared + 5 :][out] = 0.0
         descended = Descended(state, math.inf, math.inf, 0)
-    return damper, descend(damper, descended.state)
+    return damper, descend(damper, descended.state, tolerance=COARSE)
 
 
 # ----------------------------------------------------------------------------------------------------------- checks

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.adjustment.window.descent import Damper, Descended, descend, inverse_of, normal_of
+from navfix.adjustment.window.descent import COARSE, Damper, Descended, descend, inverse_of, normal_of
 from navfix.adjustment.window.rows import (
     COMPONENTS,
     GIVEN,
@@ -41,16 +41,12 @@ def judged(damper: Damper, descended: Descended, memory: FloatArray | None = Non
     """Assess a solution: partial redundancies r_g = sum of w (1 - w a'Qa) and squared residuals by component."""
     matrix, _, rows, weights, _ = normal_of(damper, descended.state)
     cofactor = inverse_of(matrix)
-    a = rows.matrix(damper.plan.layout.size)
-    lever = np.einsum("ij,ij->i", rows.values, _gathered(a @ cofactor, rows.columns))
+    around = cofactor[rows.columns[:, :, None], rows.columns[:, None, :]]
+    lever = np.einsum("ri,rij,rj->r", rows.values, around, rows.values, optimize=True)
     w = weights.row
     redundancy = np.bincount(rows.component, w * np.clip(1.0 - w * lever, 0.0, 1.0), COMPONENTS)
     squared = np.bincount(rows.component, w * rows.residual**2, COMPONENTS)
     return Judged(descended, damper, cofactor, squared, redundancy, np.ones(COMPONENTS) if memory is None else memory)
-
-
-def _gathered(product: FloatArray, columns: np.ndarray[tuple[int, ...], np.dtype[np.int64]]) -> FloatArray:
-    return np.asarray(np.take_along_axis(product, columns, axis=1))
 
 
 def with_components(damper: Damper, descended: Descended) -> Judged:
@@ -67,12 +63,10 @@ def with_components(damper: Damper, descended: Descended) -> Judged:
         if np.all(np.abs(np.log(components / damper.components)) < 0.02):
             break
         damper = replace(damper, components=components)
-        found = judged(damper, descend(damper, found.descended.state))
+        found = judged(damper, descend(damper, found.descended.state, tolerance=COARSE))
     memory = _memory(found)
-    if np.any(memory > 1.0):
-        damper = replace(damper, components=damper.components * memory)
-        found = judged(damper, descend(damper, found.descended.state), memory)
-    return found
+    damper = replace(damper, components=damper.components * memory)
+    return judged(damper, descend(damper, found.descended.state), memory)
 
 
 def _estimated(found: Judged) -> FloatArray:

@@ -7,13 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from navfix.adjustment.window.rows import Plan, Rows
+from navfix.adjustment.window.rows import WIDTH, Plan, Rows
 from navfix.errors import Unobservable
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
 
 DENSE_BELOW = 900  # unknowns: from here on the normal equations are factorised as sparse ones
+ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-6  # sigma: the last step of a descent
 _ITERATIONS = 40
+_LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
 _SMALLEST, _LARGEST = 1e-9, 1e9
 
 
@@ -69,7 +71,7 @@ class Damper:
         of_mark = plan.layout.static_mark(window)
         stretch = np.sqrt(np.maximum(np.bincount(window.tracks.mark, minlength=plan.layout.marks), 1.0))
         norm = np.sqrt(np.bincount(of_mark, static**2, plan.layout.marks)) / stretch
-        by_mark = np.where(self.taking_part, self.kernel.weight(norm, "joint"), 1.0)
+        by_mark = np.where(self.taking_part, np.maximum(self.kernel.weight(norm, "joint"), _LEAST_WEIGHT), 1.0)
         static_loss = np.where(self.taking_part, self.kernel.loss(norm, "joint") * stretch**2, 0.5 * norm**2 * stretch**2)
         row = np.ones(len(residual))
         row[plan.radar], row[plan.static] = by_sighting.ravel(), by_mark[of_mark]
@@ -80,15 +82,24 @@ class Damper:
 
 
 def normal_of(damper: Damper, state: FloatArray) -> tuple[Any, FloatArray, Rows, Weights, float]:
-    """Return A'WA (sparse), A'Wv, rows, weights and loss at a state."""
+    """Return A'WA, A'Wv, rows, weights and loss at a state; A'WA is dense for few unknowns and sparse for many."""
     rows = damper.rows(state)
     loss, weights = damper.judge(rows.residual)
-    a = rows.matrix(damper.plan.layout.size)
-    weighted = a.multiply(weights.row[:, None]).tocsr()
-    return (a.T @ weighted), weighted.T @ rows.residual, rows, weights, loss
+    size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
+    products = (rows.values[:, :, None] * weighted[:, None, :]).ravel()
+    first = np.repeat(rows.columns, WIDTH, axis=1).ravel()
+    second = np.tile(rows.columns, WIDTH).ravel()
+    gradient = np.bincount(rows.columns.ravel(), (weighted * rows.residual[:, None]).ravel(), size)
+    if size < DENSE_BELOW:
+        matrix = np.bincount(first * size + second, products, size * size).reshape(size, size)
+    else:
+        from scipy.sparse import coo_matrix
+
+        matrix = coo_matrix((products, (first, second)), shape=(size, size)).tocsc()
+    return matrix, gradient, rows, weights, loss
 
 
-def descend(damper: Damper, start: FloatArray, *, tolerance: float = 1e-8, iterations: int = _ITERATIONS) -> Descended:
+def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, iterations: int = _ITERATIONS) -> Descended:
     """Go down from a start until a step is shorter than ``tolerance`` sigma (Levenberg-Marquardt on iterated weights).
 
     Raises
@@ -121,14 +132,17 @@ def solve_normal(matrix: Any, right: FloatArray, mu: float = 0.0) -> FloatArray:
     Unobservable : N is singular
     """
     from scipy.linalg import LinAlgError, cho_factor, cho_solve
-    from scipy.sparse import diags
     from scipy.sparse.linalg import splu
 
-    damped = matrix + mu * diags(matrix.diagonal())
     try:
-        if len(right) < DENSE_BELOW:
-            return np.asarray(cho_solve(cho_factor(damped.toarray(), check_finite=False), right, check_finite=False))
-        return np.asarray(splu(damped.tocsc()).solve(right))
+        if isinstance(matrix, np.ndarray):
+            damped = matrix.copy()
+            damped[np.diag_indices_from(damped)] *= 1.0 + mu
+            factor = cho_factor(damped, overwrite_a=True, check_finite=False)
+            return np.asarray(cho_solve(factor, right, check_finite=False))
+        from scipy.sparse import diags
+
+        return np.asarray(splu((matrix + mu * diags(matrix.diagonal())).tocsc()).solve(right))
     except (LinAlgError, RuntimeError) as failure:
         raise Unobservable("the window leaves a direction free", direction="not determined") from failure
 
@@ -144,7 +158,7 @@ def inverse_of(matrix: Any) -> FloatArray:
     from scipy.linalg.lapack import dpotri
 
     try:
-        factor, _ = cho_factor(matrix.toarray(), lower=True, check_finite=False)
+        factor, _ = cho_factor(matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), lower=True, check_finite=False)
     except LinAlgError as failure:
         raise Unobservable("the window leaves a direction free", direction="not determined") from failure
     half, _ = dpotri(factor, lower=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -27,14 +26,6 @@ class Rows:
     columns: IntArray
     values: FloatArray
     component: IntArray
-
-    def matrix(self, size: int) -> Any:
-        """Return the Jacobian (m, size) as a sparse matrix."""
-        from scipy.sparse import csr_matrix
-
-        m = len(self.residual)
-        pointers = np.arange(0, WIDTH * m + 1, WIDTH)
-        return csr_matrix((self.values.ravel(), self.columns.ravel(), pointers), shape=(m, size))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
