@@ -30,6 +30,13 @@ class Passage:
         """Return (north, east) [m] of a position less the truth of an epoch."""
         return self.plane.to_plane(position) - self.truth[epoch, :2]
 
+    def heading_error_deg(self, heading_deg: float | None, epoch: int = -1) -> float:
+        """Return a heading less the truth of an epoch; meridians converge."""
+        assert heading_deg is not None
+        north_m, east_m, turn_rad = self.truth[epoch].tolist()
+        true_deg = math.degrees(turn_rad) + self.plane.convergence_deg(self.plane.to_position(north_m, east_m))
+        return float(wrap_180(heading_deg - true_deg))
+
 
 @dataclass(frozen=True)
 class Errors:

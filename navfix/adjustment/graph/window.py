@@ -94,7 +94,7 @@ class _Blocks:
         return found
 
     def _group(self, row: int, plan: Any) -> int:
-        """Return a number for the factor of a row: the epoch of a sighting, the mark of a constant, the step of a move."""
+        """Return a number for the factor of a row: by epoch of a sighting, mark of a constant, step of a move."""
         if row < plan.radar.stop:
             return int(plan.window.seen.epoch[row // 2])
         if row < plan.static.stop:

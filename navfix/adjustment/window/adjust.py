@@ -12,7 +12,7 @@ from navfix import catalog
 from navfix.adjustment.graph import available
 from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.solve import Solver
-from navfix.adjustment.window.components import Judged, judged, with_components
+from navfix.adjustment.window.components import Judged, with_components
 from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
 from navfix.adjustment.window.problem import Pairs, Sighting, Window, replaced, sightings_of, times_of, window_of
 from navfix.adjustment.window.record import fix_of
@@ -82,14 +82,14 @@ def adjust_window(
 
     Returns
     -------
-    Fix - its epoch is the newest; covariance (3, 3) in north [m], east [m], heading [rad] at that instant, scaled by the
-    sigma0 of the errors that stay; one row for range and bearing of each track, the mean over the window; ``notes`` say
-    what else was estimated
+    Fix - its epoch is the newest; covariance (3, 3) in north [m], east [m], heading [rad] at that instant, scaled by
+    the sigma0 of the errors that stay; one row for range and bearing of each track, the mean over the window;
+    ``notes`` say what else was estimated
 
     Raises
     ------
     InputError : epochs without time or out of order, sets of pairs or starts that do not match them
-    NoFix : TooFewPairs, Unobservable, NoAgreement, Ambiguous - the latter where the single epoch that gives the start is
+    NoFix : TooFewPairs, Unobservable, NoAgreement, Ambiguous (the single epoch that gives the start)
 
     References
     ----------
@@ -100,7 +100,9 @@ def adjust_window(
         epochs, pairs, start=start, radar=radar, kernel=kernel, damping=damping, model=model,
         compass_sigma_deg=compass_sigma_deg, solver=solver,
     )  # fmt: skip
-    return fix_of(epochs, sightings_of(epochs, pairs), solved.window, solved.found, solved.cofactor, kernel, solved.solver)
+    return fix_of(
+        epochs, sightings_of(epochs, pairs), solved.window, solved.found, solved.cofactor, kernel, solved.solver
+    )
 
 
 def solve_window(
@@ -146,10 +148,10 @@ def _given(
         return anchor, {anchor: pose}
     newest = len(epochs) - 1
     if isinstance(start, tuple) and len(start) == 2 and not isinstance(start[0], tuple):
-        return newest, {newest: start}  # type: ignore[dict-item]
+        return newest, {newest: start}
     if len(start) != len(epochs):
         raise InputError(f"start must be one pose or one for each of {len(epochs)} epochs, got {len(start)}")
-    return newest, dict(enumerate(start))  # type: ignore[arg-type]
+    return newest, dict(enumerate(start))
 
 
 def _start_poses(window: Window, anchor: int, given: dict[int, Pose]) -> FloatArray:

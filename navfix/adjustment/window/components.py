@@ -19,7 +19,7 @@ from navfix.adjustment.window.rows import (
     STEADY_RANGE,
     TURN,
 )
-from navfix.types import FloatArray
+from navfix.types import FloatArray, IntArray
 
 _FEWEST_NEIGHBOURS = 30
 _MEMORY_BEGINS, _LONGEST_MEMORY = 0.15, 0.9
@@ -44,9 +44,13 @@ def judged(damper: Damper, descended: Descended, memory: FloatArray | None = Non
     around = cofactor[rows.columns[:, :, None], rows.columns[:, None, :]]
     lever = np.einsum("ri,rij,rj->r", rows.values, around, rows.values, optimize=True)
     w = weights.row
-    redundancy = np.bincount(rows.component, w * np.clip(1.0 - w * lever, 0.0, 1.0), COMPONENTS)
-    squared = np.bincount(rows.component, w * rows.residual**2, COMPONENTS)
+    redundancy = _summed(rows.component, w * np.clip(1.0 - w * lever, 0.0, 1.0))
+    squared = _summed(rows.component, w * rows.residual**2)
     return Judged(descended, damper, cofactor, squared, redundancy, np.ones(COMPONENTS) if memory is None else memory)
+
+
+def _summed(component: IntArray, values: FloatArray) -> FloatArray:
+    return np.asarray(np.bincount(component, values, COMPONENTS), np.float64)
 
 
 def with_components(damper: Damper, descended: Descended) -> Judged:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from navfix.adjustment.window.rows import WIDTH, Plan, Rows
+from navfix.adjustment.window.rows import Plan, Rows
 from navfix.errors import Unobservable
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
@@ -72,7 +72,9 @@ class Damper:
         stretch = np.sqrt(np.maximum(np.bincount(window.tracks.mark, minlength=plan.layout.marks), 1.0))
         norm = np.sqrt(np.bincount(of_mark, static**2, plan.layout.marks)) / stretch
         by_mark = np.where(self.taking_part, np.maximum(self.kernel.weight(norm, "joint"), _LEAST_WEIGHT), 1.0)
-        static_loss = np.where(self.taking_part, self.kernel.loss(norm, "joint") * stretch**2, 0.5 * norm**2 * stretch**2)
+        static_loss = np.where(
+            self.taking_part, self.kernel.loss(norm, "joint") * stretch**2, 0.5 * norm**2 * stretch**2
+        )
         row = np.ones(len(residual))
         row[plan.radar], row[plan.static] = by_sighting.ravel(), by_mark[of_mark]
         rest = residual.copy()
@@ -87,16 +89,16 @@ def normal_of(damper: Damper, state: FloatArray) -> tuple[Any, FloatArray, Rows,
     loss, weights = damper.judge(rows.residual)
     size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
     products = (rows.values[:, :, None] * weighted[:, None, :]).ravel()
-    first = np.repeat(rows.columns, WIDTH, axis=1).ravel()
-    second = np.tile(rows.columns, WIDTH).ravel()
-    gradient = np.bincount(rows.columns.ravel(), (weighted * rows.residual[:, None]).ravel(), size)
+    columns = rows.columns.ravel()
+    gradient = np.bincount(columns, (weighted * rows.residual[:, None]).ravel(), size)
+    matrix: Any
     if size < DENSE_BELOW:
-        matrix = np.bincount(first * size + second, products, size * size).reshape(size, size)
+        matrix = np.bincount(damper.plan.place, products, size * size).reshape(size, size)
     else:
         from scipy.sparse import coo_matrix
 
-        matrix = coo_matrix((products, (first, second)), shape=(size, size)).tocsc()
-    return matrix, gradient, rows, weights, loss
+        matrix = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
+    return matrix, np.asarray(gradient, np.float64), rows, weights, loss
 
 
 def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, iterations: int = _ITERATIONS) -> Descended:
@@ -158,7 +160,9 @@ def inverse_of(matrix: Any) -> FloatArray:
     from scipy.linalg.lapack import dpotri
 
     try:
-        factor, _ = cho_factor(matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), lower=True, check_finite=False)
+        factor, _ = cho_factor(
+            matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), lower=True, check_finite=False
+        )
     except LinAlgError as failure:
         raise Unobservable("the window leaves a direction free", direction="not determined") from failure
     half, _ = dpotri(factor, lower=True)

@@ -16,9 +16,7 @@ _TURN, _MOVE, _GIVEN = 5, 6, 7  # variance components, as in `rows`
 _WIDTH = 8
 
 
-def motion_rows(
-    window: Window, layout: Layout, state: FloatArray
-) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
+def motion_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
     """Return residuals (m,), columns (m, 8), derivatives (m, 8) in units of sigma, and the components (m,)."""
     parts = [
         (*_turns(window, layout, state), _TURN),
@@ -45,7 +43,7 @@ def _connected(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]
 
 
 def _turns(window: Window, layout: Layout, state: FloatArray) -> Part:
-    """The turn between two epochs: that of the gyro, whose constant error cancels, else a walk about none; eq. (8.4)."""
+    """The turn of a step: that of the gyro, whose constant error cancels, else a walk about none; eq. (8.4)."""
     model, step_s = window.model, np.diff(window.time_s)
     turned = gyro_steps(window)
     told = np.isfinite(turned)

@@ -215,7 +215,9 @@ def _tracks(
 ) -> tuple[IntArray, tuple[str, ...], list[str]]:
     """Return the track of each sighting (k,), the label of each track, and its mark's label."""
     last: dict[tuple[str, str], tuple[int, float]] = {}
-    index, labels, marks = [], [], []
+    index: list[int] = []
+    labels: list[str] = []
+    marks: list[str] = []
     for s in sightings:
         key, now_s = (s.target.label, s.mark.label), float(time_s[s.epoch])
         known = last.get(key)

@@ -96,9 +96,7 @@ def _association(epochs: Sequence[Epoch], sightings: Sequence[Sighting]) -> Asso
     targets = {id(target): index for index, target in enumerate(epoch.targets)}
     marks = {mark.label: index for index, mark in enumerate(epoch.marks)}
     pairs = [(targets[id(s.target)], marks[s.mark.label]) for s in sightings if s.epoch == newest]
-    return Association(
-        pairs=np.array(pairs, np.int64).reshape(-1, 2), probability=np.ones(len(pairs)), method="window"
-    )
+    return Association(pairs=np.array(pairs, np.int64).reshape(-1, 2), probability=np.ones(len(pairs)), method="window")
 
 
 # -------------------------------------------------------------------------------------------------- residual report
@@ -112,7 +110,7 @@ def _observations(sightings: Sequence[Sighting], window: Window, found: Judged) 
     v, a = radar_rows(window, plan.layout, bare)
     sigma = radar_sigma(window)
     v, a = v.reshape(-1, 2) * sigma, a.reshape(-1, 2, a.shape[1]) * sigma[:, :, None]
-    columns = plan.radar_columns.reshape(-1, 2, a.shape[2])
+    columns = plan.columns[plan.radar].reshape(-1, 2, a.shape[2])
     _, weights = found.damper.judge(found.damper.rows(state).residual)
     rows = []
     for track, label in enumerate(window.tracks.label):
@@ -136,9 +134,7 @@ def _observations(sightings: Sequence[Sighting], window: Window, found: Judged) 
     return tuple(rows)
 
 
-def _spread(
-    window: Window, found: Judged, track: int, part: int, members: np.ndarray, share: FloatArray
-) -> float:
+def _spread(window: Window, found: Judged, track: int, part: int, members: np.ndarray, share: FloatArray) -> float:
     """Return 1 sigma of a track's mean: what stays with track and mark, and what is new, the memory counted."""
     components, mark = found.damper.components, int(window.tracks.mark[track])
     across = 1.0 if part == 0 else 1.0 / max(float(window.seen.value[members[-1], 0]), 1.0)

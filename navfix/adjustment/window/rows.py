@@ -30,53 +30,63 @@ class Rows:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """What of the rows does not depend on the state: columns and components, made once for a window."""
+    """What of the rows does not depend on the state, made once for a window: columns (m, 8) and components (m,).
+
+    The rows of the radar come first, range and bearing of each sighting in turn, then one for each global, offset and
+    constant, then own motion. ``place`` (64 m,) is where each product of two derivatives of a row stands in the normal
+    matrix.
+    """
 
     window: Window
     layout: Layout
-    radar_columns: IntArray
+    columns: IntArray
     component: IntArray
+    place: IntArray
 
     @classmethod
     def of(cls, window: Window) -> Plan:
         """Return the plan of a window."""
-        layout, seen = Layout.of(window), window.seen
-        pose, offset, constant = 3 * seen.epoch, layout.offset(seen.mark), layout.constant(seen.track)
-        shared = np.full_like(pose, layout.shared)
-        common = [pose, pose + 1, pose + 2, offset, offset + 1]
-        by_range = np.column_stack([*common, constant, shared + CLOCK, shared + RANGE_BIAS])
-        by_bearing = np.column_stack([*common, constant + 1, shared + CLOCK, shared + COMPASS])
-        columns = np.stack([by_range, by_bearing], axis=1).reshape(-1, WIDTH)
-        radar = np.tile([NEW_RANGE, NEW_BEARING], len(pose))
+        layout = Layout.of(window)
+        given = np.zeros((layout.size - layout.shared, WIDTH), np.int64)
+        given[:, 0] = np.arange(layout.shared, layout.size)
+        _, moved, _, moving = motion_rows(window, layout, np.zeros(layout.size))
+        columns = np.concatenate([_radar_columns(window, layout), given, moved])
         static = [GIVEN] * 5 + [OFFSET] * (2 * layout.marks) + [STEADY_RANGE, STEADY_BEARING] * layout.tracks
-        return cls(window, layout, columns, np.concatenate([radar, static]))
+        radar = [NEW_RANGE, NEW_BEARING] * len(window.seen.epoch)
+        place = (columns[:, :, None] * layout.size + columns[:, None, :]).ravel()
+        return cls(window, layout, columns, np.concatenate([radar, static, moving]), place)
 
     @property
     def radar(self) -> slice:
-        """Return where the rows of the radar stand: range and bearing of each sighting in turn."""
-        return slice(0, len(self.radar_columns))
+        """Return where the rows of the radar stand."""
+        return slice(0, 2 * len(self.window.seen.epoch))
 
     @property
     def static(self) -> slice:
         """Return where the rows of offsets and constants stand."""
-        first = len(self.radar_columns) + 5
-        return slice(first, len(self.component))
+        first = self.radar.stop + 5
+        return slice(first, first + 2 * (self.layout.marks + self.layout.tracks))
 
     def rows(self, state: FloatArray, components: FloatArray) -> Rows:
         """Return all rows at a state; eq. (8.1) to (8.6)."""
         radar_v, radar_a = radar_rows(self.window, self.layout, state)
-        move_v, move_columns, move_a, move_component = motion_rows(self.window, self.layout, state)
-        static = np.arange(self.layout.shared, self.layout.size)
-        given_columns = np.zeros((len(static), WIDTH), np.int64)
-        given_columns[:, 0] = static
-        given_a = np.zeros((len(static), WIDTH))
+        move_v, _, move_a, _ = motion_rows(self.window, self.layout, state)
+        given_a = np.zeros((self.layout.size - self.layout.shared, WIDTH))
         given_a[:, 0] = 1.0
-        component = np.concatenate([self.component, move_component])
-        scale = 1.0 / np.sqrt(components[component])
+        scale = 1.0 / np.sqrt(components[self.component])
         residual = np.concatenate([radar_v, state[self.layout.shared :], move_v]) * scale
         values = np.concatenate([radar_a, given_a, move_a]) * scale[:, None]
-        columns = np.concatenate([self.radar_columns, given_columns, move_columns])
-        return Rows(residual, columns, values, component)
+        return Rows(residual, self.columns, values, self.component)
+
+
+def _radar_columns(window: Window, layout: Layout) -> IntArray:
+    seen = window.seen
+    pose, offset, constant = 3 * seen.epoch, layout.offset(seen.mark), layout.constant(seen.track)
+    shared = np.full_like(pose, layout.shared)
+    common = [pose, pose + 1, pose + 2, offset, offset + 1]
+    by_range = np.column_stack([*common, constant, shared + CLOCK, shared + RANGE_BIAS])
+    by_bearing = np.column_stack([*common, constant + 1, shared + CLOCK, shared + COMPASS])
+    return np.stack([by_range, by_bearing], axis=1).reshape(-1, WIDTH)
 
 
 def radar_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -111,7 +121,7 @@ def radar_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[Float
 
 
 def radar_sigma(window: Window) -> FloatArray:
-    """Return 1 sigma (k, 2) of what is new in each sighting, m and rad: radar, and the mark's growing age; eq. (8.3)."""
+    """Return 1 sigma (k, 2) of what is new in each sighting, m and rad: radar, and the mark's age; eq. (8.3)."""
     seen = window.seen
     at_distance = seen.fresh_m / np.maximum(seen.value[:, 0], 50.0)
     return np.column_stack([np.hypot(seen.sigma[:, 0], seen.fresh_m), np.hypot(seen.sigma[:, 1], at_distance)])
