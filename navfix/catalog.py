@@ -141,7 +141,7 @@ class CpdModel:
 
 
 @dataclass(frozen=True, slots=True)
-class WindowModel:
+class AdjustmentModel:
     """Constants of the adjustment of a window of scans, 1 sigma where they are sigmas.
 
     ``steady_share`` of the radar's error variance stays with a track. ``velocity_walk_mps`` and ``heading_walk_deg``
@@ -171,6 +171,38 @@ class WindowModel:
     smallest_component: float
     largest_component: float
     least_static_weight: float
+
+
+@dataclass(frozen=True, slots=True)
+class OwnMotionModel:
+    """How own ship moves between fixes, 1 sigma where they are sigmas, and how a log is cut for smoothing.
+
+    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
+    ``current_walk_mps`` within ``current_walk_s`` where one does. ``steady_share`` of a fix's variance is the same in
+    the fixes of ``velocity_window_s``, from which the velocity is taken. Dead reckoning ends after ``longest_s``. A log
+    is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than ``longest_bridge_s``
+    from every fix is not given.
+    """
+
+    name: str
+    title: str
+    source: str
+    velocity_walk_mps: float
+    velocity_walk_s: float
+    current_walk_mps: float
+    current_walk_s: float
+    unknown_speed_mps: float
+    unknown_current_mps: float
+    velocity_window_s: float
+    steady_share: float
+    heading_walk_deg: float
+    heading_walk_s: float
+    gyro_drift_deg_per_h: float
+    longest_s: float
+    fastest_mps: float
+    chunk_s: float
+    margin_s: float
+    longest_bridge_s: float
 
 
 def data_folder(name: str) -> Path:
@@ -209,9 +241,14 @@ def association_method(name: str | AssociationModel | CpdModel) -> AssociationMo
     return association_model(name)
 
 
-def adjustment_model(name: str | WindowModel = "window") -> WindowModel:
+def adjustment_model(name: str | AdjustmentModel = "window") -> AdjustmentModel:
     """Return the constants of the adjustment of a window by name in models/adjustment, or the record itself."""
-    return name if isinstance(name, WindowModel) else _load("adjustment", name, WindowModel)
+    return name if isinstance(name, AdjustmentModel) else _load("adjustment", name, AdjustmentModel)
+
+
+def own_motion_model(name: str | OwnMotionModel = "own_ship") -> OwnMotionModel:
+    """Return how own ship moves between fixes, by name in models/own_motion, or the record itself."""
+    return name if isinstance(name, OwnMotionModel) else _load("own_motion", name, OwnMotionModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:

@@ -1,4 +1,4 @@
-"""A window of epochs as one network: exact on exact data, two roads to one answer, tracks kept apart, honest refusals."""
+"""A window of epochs as one network: exact on exact data, two roads to one answer, tracks kept apart, refusals."""
 
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ def test_what_cannot_be_solved_says_why() -> None:
     p = scene(14, epochs=4, targets=4)
     with pytest.raises(InputError, match="at least one epoch"):
         adjust_window([], p.pairs)
-    with pytest.raises(InputError, match="not later than the one before"):
+    with pytest.raises(InputError, match="earlier than the one before"):
         adjust_window(p.epochs[::-1], p.pairs)
     with pytest.raises(InputError, match="has no time"):
         adjust_window([Epoch(None, p.epochs[0].targets, p.epochs[0].marks)], p.pairs)
@@ -221,6 +221,12 @@ def test_tracks_that_contradict_each_other_are_no_fix() -> None:
     start = (LocalPlane(p.epochs[0].marks[0].position).to_position(500.0, 500.0), 77.0)
     with pytest.raises(NoFix):
         adjust_window(p.epochs, crossed, start=start)
+
+
+def test_two_scans_of_one_instant_are_both_used() -> None:
+    p = scene(17, epochs=6, targets=6)
+    twice = [*p.epochs, replace(p.epochs[-1], targets=p.epochs[-1].targets[::-1])]
+    assert np.hypot(*p.error(adjust_window(twice, p.pairs).position)) < 60.0
 
 
 def test_the_state_of_all_epochs_can_be_had() -> None:

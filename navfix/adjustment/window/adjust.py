@@ -18,7 +18,7 @@ from navfix.adjustment.window.problem import Pairs, Sighting, Window, replaced, 
 from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
 from navfix.adjustment.window.start import Pose, first_pose, initial_state, plane_pose, poses_from
-from navfix.catalog import RadarModel, WindowModel, radar_model
+from navfix.catalog import AdjustmentModel, RadarModel, radar_model
 from navfix.errors import InputError, NoAgreement, TooFewPairs, Unobservable
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Damping, Kernel
@@ -55,7 +55,7 @@ def adjust_window(
     radar: RadarModel | str = "imo",
     kernel: Kernel | str = "hampel",
     damping: Damping = "joint",
-    model: WindowModel | str = "window",
+    model: AdjustmentModel | str = "window",
     compass_sigma_deg: float | None = None,
     solver: Solver = "auto",
 ) -> Fix:
@@ -113,7 +113,7 @@ def solve_window(
     radar: RadarModel,
     kernel: Kernel,
     damping: Damping = "joint",
-    model: WindowModel | str = "window",
+    model: AdjustmentModel | str = "window",
     compass_sigma_deg: float | None = None,
     solver: Solver = "auto",
 ) -> Solved:

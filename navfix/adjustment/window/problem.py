@@ -5,18 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 
-from navfix.catalog import RadarModel, WindowModel
+from navfix.catalog import AdjustmentModel, RadarModel
 from navfix.errors import InputError, TooFewPairs
 from navfix.geodesy import LocalPlane
 from navfix.types import Association, Epoch, FloatArray, IntArray, Mark, RadarTarget
 from navfix.units import wrap_pi
 
 Pairs = Mapping[str, str] | Association | Sequence[Mapping[str, str] | Association]
+_SAME_INSTANT_S = 0.05
 GLOBALS = ("clock", "range_bias", "compass", "current_north", "current_east")
 
 
@@ -87,7 +87,7 @@ class Window:
     mark_labels: tuple[str, ...]
     mark_sigma_m: FloatArray
     own: OwnSensors
-    model: WindowModel
+    model: AdjustmentModel
     compass_sigma_rad: float
 
     @property
@@ -109,22 +109,22 @@ class Window:
 
 
 def times_of(epochs: Sequence[Epoch]) -> FloatArray:
-    """Return the times of epochs [POSIX s].
+    """Return the times of epochs [POSIX s]; scans of one instant follow each other by a twentieth of a second.
 
     Raises
     ------
-    InputError : no epoch, an epoch without a time, times that do not increase
+    InputError : no epoch, an epoch without a time, times that go back
     """
     if not epochs:
         raise InputError("a window needs at least one epoch, got none")
-    times = []
+    times: list[float] = []
     for number, epoch in enumerate(epochs):
         if epoch.time_utc is None:
             raise InputError(f"epoch {number} of the window has no time: give time_utc")
-        times.append(epoch.time_utc.timestamp())
-    for number, (before, after) in enumerate(pairwise(times)):
-        if after <= before:
-            raise InputError(f"epoch {number + 1} is not later than the one before it: sort the window by time")
+        now_s = epoch.time_utc.timestamp()
+        if times and now_s < times[-1] - _SAME_INSTANT_S * number:
+            raise InputError(f"epoch {number} is earlier than the one before it: sort the window by time")
+        times.append(max(now_s, times[-1] + _SAME_INSTANT_S) if times else now_s)
     return np.array(times)
 
 
@@ -170,7 +170,7 @@ def window_of(
     plane: LocalPlane,
     *,
     radar: RadarModel,
-    model: WindowModel,
+    model: AdjustmentModel,
     compass_sigma_deg: float,
 ) -> Window:
     """Bring a window onto a plane; sigmas are split into what stays and what is new in every scan."""

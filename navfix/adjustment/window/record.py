@@ -41,9 +41,15 @@ def fix_of(
     cofactor: FloatArray,
     kernel: Kernel,
     solver: str,
+    *,
+    at: int | None = None,
 ) -> Fix:
-    """Return the record of a solved window; ``cofactor`` (3, 3) is that of the newest pose."""
-    pose = found.damper.plan.layout.poses(found.descended.state)[-1]
+    """Return the record of a solved window for the epoch ``at``, default the newest; ``cofactor`` (3, 3) of its pose.
+
+    For another epoch than the newest only the tracks that it shows are reported.
+    """
+    whole, at = at is None, len(epochs) - 1 if at is None else at
+    pose = found.damper.plan.layout.poses(found.descended.state)[at]
     position = window.plane.to_position(float(pose[0]), float(pose[1]))
     sigma0, dof = reference_deviation(found)
     unknowns = 3 if window.any_relative else 2
@@ -52,8 +58,10 @@ def fix_of(
         heading_deg = wrap_360(math.degrees(float(pose[2])) + window.plane.convergence_deg(position))
     cofactor = cofactor[:unknowns, :unknowns]
     covariance = sigma0**2 * cofactor
-    epoch, association = _epoch_with_marks(epochs[-1], sightings), _association(epochs, sightings)
-    observations = _observations(sightings, window, found)
+    epoch, association = epochs[at], _association(epochs, sightings, at)
+    observations = _observations(sightings, window, found, None if whole else at)
+    if whole:
+        epoch = _epoch_with_marks(epoch, sightings)
     used = sum(o.weight > 0.0 for o in observations)
     return Fix(
         position=position,
@@ -71,7 +79,7 @@ def fix_of(
         global_test=_global_test(found),
         integrity=Integrity(r95_m=radius_of_probability(covariance[:2, :2], 0.95, dof=dof)),
         start="window",
-        notes=_notes(epochs, window, found, solver),
+        notes=_notes(window, found, solver, at),
     )
 
 
@@ -90,20 +98,24 @@ def _epoch_with_marks(epoch: Epoch, sightings: Sequence[Sighting]) -> Epoch:
     return replace(epoch, marks=(*epoch.marks, *latest.values())) if latest else epoch
 
 
-def _association(epochs: Sequence[Epoch], sightings: Sequence[Sighting]) -> Association:
-    newest = len(epochs) - 1
-    epoch = epochs[newest]
+def _association(epochs: Sequence[Epoch], sightings: Sequence[Sighting], at: int) -> Association:
+    epoch = epochs[at]
     targets = {id(target): index for index, target in enumerate(epoch.targets)}
     marks = {mark.label: index for index, mark in enumerate(epoch.marks)}
-    pairs = [(targets[id(s.target)], marks[s.mark.label]) for s in sightings if s.epoch == newest]
+    pairs = [(targets[id(s.target)], marks[s.mark.label]) for s in sightings if s.epoch == at]
     return Association(pairs=np.array(pairs, np.int64).reshape(-1, 2), probability=np.ones(len(pairs)), method="window")
 
 
 # -------------------------------------------------------------------------------------------------- residual report
 
 
-def _observations(sightings: Sequence[Sighting], window: Window, found: Judged) -> tuple[AdjustedObservation, ...]:
-    """Return range and bearing of each track: mean residual over the window against the mark as given; eq. (8.10)."""
+def _observations(
+    sightings: Sequence[Sighting], window: Window, found: Judged, at: int | None
+) -> tuple[AdjustedObservation, ...]:
+    """Return range and bearing of each track: mean residual over the window against the mark as given; eq. (8.10).
+
+    With ``at`` only the tracks of that epoch, as observed there.
+    """
     plan, state = found.damper.plan, found.descended.state
     bare = state.copy()
     bare[plan.layout.shared + 5 :] = 0.0
@@ -115,16 +127,19 @@ def _observations(sightings: Sequence[Sighting], window: Window, found: Judged) 
     rows = []
     for track, label in enumerate(window.tracks.label):
         members = np.flatnonzero(window.seen.track == track)
+        here = members if at is None else members[window.seen.epoch[members] == at]
+        if not len(here):
+            continue
         mark = int(window.tracks.mark[track])
         static = float(weights.static[mark]) * float(found.damper.taking_part[mark])
         for part in (0, 1):
             w = weights.sighting[members, part]
             share = w / w.sum() if w.sum() > 0.0 else np.full(len(members), 1.0 / len(members))
-            last = members[-1]
+            last = here[-1]
             kept = [0, 1, 2, 6, 7]  # pose and globals: what stays with the mark is the residual's own business
-            row, at = a[last, part, kept], columns[last, part, kept]
+            row, entry = a[last, part, kept], columns[last, part, kept]
             spread = _spread(window, found, track, part, members, share)
-            explained = float(row @ found.cofactor[np.ix_(at, at)] @ row)
+            explained = float(row @ found.cofactor[entry[:, None], entry] @ row)
             rows.append(
                 _row(
                     sightings[last], label, part, float(share @ v[members, part]), spread, explained,
@@ -173,14 +188,15 @@ def _row(
 # ------------------------------------------------------------------------------------------------------------ notes
 
 
-def _notes(epochs: Sequence[Epoch], window: Window, found: Judged, solver: str) -> tuple[str, ...]:
+def _notes(window: Window, found: Judged, solver: str, at: int) -> tuple[str, ...]:
     span_s = window.time_s[-1] - window.time_s[0]
     road = "GTSAM" if solver == "gtsam" else "dense normal equations"
     said = [f"window of {window.epochs} scans over {span_s:.0f} s, {len(window.tracks.label)} tracks; solved by {road}"]
     said += _globals(window, found)
     said += _components(window, found)
     said.append(_offsets(window, found))
-    silent_s = window.time_s[-1] - window.time_s[window.seen.epoch.max()]
+    before = window.seen.epoch[window.seen.epoch <= at]
+    silent_s = window.time_s[at] - window.time_s[before.max()] if len(before) else 0.0
     if silent_s > 0.0:
         said.append(f"no track was seen for the last {silent_s:.0f} s: the pose is carried on by own motion")
     return tuple(said)

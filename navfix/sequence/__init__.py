@@ -1,0 +1,1 @@
+"""Over time: dead reckoning between fixes, and a whole log smoothed."""
