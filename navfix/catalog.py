@@ -179,7 +179,7 @@ class OwnMotionModel:
 
     Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
     ``current_walk_mps`` within ``current_walk_s`` where one does. ``steady_share`` of a fix's variance is the same in
-    the fixes of ``velocity_window_s``, from which the velocity is taken. Dead reckoning ends after ``longest_s``. A log
+    successive fixes, the rest is forgotten with ``memory_s``. Dead reckoning ends after ``longest_s``. A log
     is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than ``longest_bridge_s``
     from every fix is not given.
     """
@@ -193,8 +193,8 @@ class OwnMotionModel:
     current_walk_s: float
     unknown_speed_mps: float
     unknown_current_mps: float
-    velocity_window_s: float
     steady_share: float
+    memory_s: float
     heading_walk_deg: float
     heading_walk_s: float
     gyro_drift_deg_per_h: float

@@ -26,6 +26,7 @@ from navfix.types.observed import (
     SpeedHint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
+from navfix.types.reckoned import DeadReckoning, ReckoningSource
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
     "Association",
     "BearingReference",
     "CovarianceScaling",
+    "DeadReckoning",
     "Ellipse",
     "Epoch",
     "Fix",
@@ -54,6 +56,7 @@ __all__ = [
     "Position",
     "PositionHint",
     "RadarTarget",
+    "ReckoningSource",
     "SecondGroup",
     "ShipVeracity",
     "SpeedHint",
