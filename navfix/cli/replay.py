@@ -1,9 +1,10 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone, the GNSS verdict lasting."""
+"""``navfix replay``: every radar scan of a log -> JSON lines, each alone or all smoothed, the GNSS verdict lasting."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,9 @@ from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
+    from navfix.nmea import Log
+    from navfix.report.answer import Answer
+    from navfix.report.truth import TruthTrack
     from navfix.types import Epoch, ShipVeracity
 
 SUFFIXES = (".json",)
@@ -27,6 +31,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_evidence(parser)
     options.add_window(parser)
     options.add_independent(parser)
+    parser.add_argument(
+        "--smooth",
+        action="store_true",
+        help="the whole log forward and backward: each scan's fix from minutes about it",
+    )
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -39,9 +48,8 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve scan by scan; a line as soon as it is known."""
-    from navfix import pipeline
-    from navfix.integrity import AisVeracity, GnssMonitor
+    """Solve scan by scan; a line as soon as it is known (with --smooth at the end)."""
+    from navfix.integrity import AisVeracity
     from navfix.report.writers import render
 
     solving.refuse(args, ["chart", "window"])
@@ -49,13 +57,10 @@ def run(args: argparse.Namespace) -> int:
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track = solving.truth_track(args)
     log = solving.read(args.log)
-    lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
-    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
-        if count % args.every:
-            continue
-        answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
+    lines, fixes, known, veracity = [], 0, 0, AisVeracity()
+    for answer in _answers(log, args, track):
         if answer.gnss is not None and answer.gnss.alert:
-            print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
+            print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:
             fixes += 1
             veracity.feed(answer.fix)
@@ -72,6 +77,26 @@ def run(args: argparse.Namespace) -> int:
     return OK if fixes else NO_FIX
 
 
+def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None) -> Iterator[Answer]:
+    """Yield the answers of a log in their order; with --smooth only when all of it is known."""
+    from navfix import pipeline
+    from navfix.integrity import GnssMonitor
+    from navfix.sequence.answers import reckoned, smoothed
+    from navfix.sequence.dead_reckoning import DeadReckoner
+
+    monitor, reckoner, held = GnssMonitor(), DeadReckoner(), []
+    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
+        if count % args.every:
+            continue
+        answer = reckoned(solving.solve(solving.without_hints(epoch, args), args, track), reckoner)
+        if args.smooth:
+            held.append(answer)
+        else:
+            yield pipeline.watched(answer, monitor)
+    for answer in smoothed(held, radar=options.radar(args), kernel=args.kernel):
+        yield solving.with_truth(answer, track)
+
+
 def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     from navfix.report.veracity import summary, veracity_json, veracity_text
 
@@ -80,8 +105,8 @@ def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     print(f"navfix: AIS veracity: {summary(ships)}", file=sys.stderr)
 
 
-def _clock(epoch: Epoch) -> str:
-    return "" if epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
+def _clock(epoch: Epoch | None) -> str:
+    return "" if epoch is None or epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
 
 
 def _count(text: str) -> int:
