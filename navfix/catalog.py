@@ -362,6 +362,71 @@ class TrackAssociationModel:
     ais_sigma_m: float
 
 
+@dataclass(frozen=True, slots=True)
+class AdjustmentModel:
+    """Constants of the adjustment of a window of scans, 1 sigma where they are sigmas.
+
+    ``steady_share`` of the radar's error variance stays with a track. ``velocity_walk_mps`` and ``heading_walk_deg``
+    are how far own velocity and heading wander within ``walk_time_s`` where no log and no gyro tells. A pause of more
+    than ``split_gap_s`` ends a track, one of more than ``longest_step_s`` the connection of two epochs. Variance
+    components count ``prior_dof`` degrees of freedom at 1 and stay between the smallest and the largest. A mark whose
+    constant error keeps less than ``least_static_weight`` is left out.
+    """
+
+    name: str
+    title: str
+    source: str
+    steady_share: float
+    split_gap_s: float
+    clock_sigma_s: float
+    range_bias_sigma_m: float
+    current_sigma_mps: float
+    ground_log_sigma_mps: float
+    own_speed_sigma_mps: float
+    velocity_walk_mps: float
+    heading_walk_deg: float
+    walk_time_s: float
+    gyro_step_sigma_deg: float
+    longest_step_s: float
+    prior_dof: float
+    component_rounds: int
+    smallest_component: float
+    largest_component: float
+    least_static_weight: float
+
+
+@dataclass(frozen=True, slots=True)
+class OwnMotionModel:
+    """How own ship moves between fixes, 1 sigma where they are sigmas, and how a log is cut for smoothing.
+
+    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
+    ``current_walk_mps`` within ``current_walk_s`` where one does. ``steady_share`` of a fix's variance is the same in
+    successive fixes, the rest is forgotten with ``memory_s``. Dead reckoning ends after ``longest_s``. A log
+    is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than ``longest_bridge_s``
+    from every fix is not given.
+    """
+
+    name: str
+    title: str
+    source: str
+    velocity_walk_mps: float
+    velocity_walk_s: float
+    current_walk_mps: float
+    current_walk_s: float
+    unknown_speed_mps: float
+    unknown_current_mps: float
+    steady_share: float
+    memory_s: float
+    heading_walk_deg: float
+    heading_walk_s: float
+    gyro_drift_deg_per_h: float
+    longest_s: float
+    fastest_mps: float
+    chunk_s: float
+    margin_s: float
+    longest_bridge_s: float
+
+
 def data_folder(name: str) -> Path:
     """Return the folder ``models`` or ``data``: inside the package when installed, beside it in a checkout."""
     inside = Path(str(files("navfix"))) / name
@@ -463,6 +528,16 @@ def stitching_model(name: str | StitchingModel = "numbers") -> StitchingModel:
 def track_association_model(name: str | TrackAssociationModel = "grey") -> TrackAssociationModel:
     """Return the constants of a track association by name in models/track_association, or the record itself."""
     return name if isinstance(name, TrackAssociationModel) else _load("track_association", name, TrackAssociationModel)
+
+
+def adjustment_model(name: str | AdjustmentModel = "window") -> AdjustmentModel:
+    """Return the constants of the adjustment of a window by name in models/adjustment, or the record itself."""
+    return name if isinstance(name, AdjustmentModel) else _load("adjustment", name, AdjustmentModel)
+
+
+def own_motion_model(name: str | OwnMotionModel = "own_ship") -> OwnMotionModel:
+    """Return how own ship moves between fixes, by name in models/own_motion, or the record itself."""
+    return name if isinstance(name, OwnMotionModel) else _load("own_motion", name, OwnMotionModel)
 
 
 def kernel(name: str | Path | Kernel) -> Kernel:

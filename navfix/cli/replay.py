@@ -1,9 +1,10 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone, the GNSS verdict lasting."""
+"""``navfix replay``: every radar scan of a log -> JSON lines, each alone or all smoothed, the GNSS verdict lasting."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +13,10 @@ from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
-    from navfix.types import Epoch, ShipVeracity
+    from navfix.nmea import Log
+    from navfix.report.answer import Answer
+    from navfix.report.truth import TruthTrack
+    from navfix.types import Epoch, Mark, ShipVeracity
 
 SUFFIXES = (".json",)
 VERACITY_SUFFIXES = (".txt", ".json")
@@ -29,6 +33,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_independent(parser)
     options.add_outlines(parser)
     options.add_plots(parser)
+    parser.add_argument(
+        "--smooth",
+        action="store_true",
+        help="the whole log forward and backward: each scan's fix from minutes about it",
+    )
     options.add_truth(parser)
     parser.add_argument(
         "--veracity",
@@ -41,24 +50,19 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve scan by scan; a line as soon as it is known."""
-    from navfix import pipeline
-    from navfix.integrity import AisVeracity, GnssMonitor
+    """Solve scan by scan; a line as soon as it is known (with --smooth at the end)."""
+    from navfix.integrity import AisVeracity
     from navfix.report.writers import render
 
     solving.refuse(args, ["window"])
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
-    track, charted, outlines = solving.truth_track(args), solving.charted_marks(args), solving.outlines(args)
+    track, charted = solving.truth_track(args), solving.charted_marks(args)
     log = solving.read_all(args, charted=bool(charted))
-    lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
-    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
-        if count % args.every:
-            continue
-        seen = solving.outlined(solving.as_asked(epoch, args), outlines)
-        answer = pipeline.watched(solving.solve(seen, args, track), monitor)
+    lines, fixes, known, veracity = [], 0, 0, AisVeracity()
+    for answer in _answers(log, args, track, charted):
         if answer.gnss is not None and answer.gnss.alert:
-            print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
+            print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:
             fixes += 1
             veracity.feed(answer.fix)
@@ -75,6 +79,27 @@ def run(args: argparse.Namespace) -> int:
     return OK if fixes else NO_FIX
 
 
+def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None, charted: Sequence[Mark]) -> Iterator[Answer]:
+    """Yield the answers of a log in their order; with --smooth only when all of it is known."""
+    from navfix import pipeline
+    from navfix.integrity import GnssMonitor
+    from navfix.sequence.answers import reckoned, smoothed
+    from navfix.sequence.dead_reckoning import DeadReckoner
+
+    monitor, reckoner, held, outlines = GnssMonitor(), DeadReckoner(), [], solving.outlines(args)
+    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
+        if count % args.every:
+            continue
+        seen = solving.outlined(solving.as_asked(epoch, args), outlines)
+        answer = reckoned(solving.solve(seen, args, track), reckoner)
+        if args.smooth:
+            held.append(answer)
+        else:
+            yield pipeline.watched(answer, monitor)
+    for answer in smoothed(held, radar=options.radar(args), kernel=args.kernel):
+        yield solving.with_truth(answer, track)
+
+
 def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     from navfix.report.veracity import summary, veracity_json, veracity_text
 
@@ -83,8 +108,8 @@ def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     print(f"navfix: AIS veracity: {summary(ships)}", file=sys.stderr)
 
 
-def _clock(epoch: Epoch) -> str:
-    return "" if epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
+def _clock(epoch: Epoch | None) -> str:
+    return "" if epoch is None or epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
 
 
 def _count(text: str) -> int:

@@ -210,12 +210,16 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
         prove=getattr(args, "prove", False),
         association=pairs_by_hand(epoch, args),
     )
-    answer = _at_reference_point(answer, args)
+    return with_truth(_at_reference_point(answer, args), track)
+
+
+def with_truth(answer: Answer, track: TruthTrack | None) -> Answer:
+    """Return the answer with the truth of its instant beside it, where there is any."""
     if track is None:
         return answer
-    from navfix.report.truth import with_truth
+    from navfix.report import truth
 
-    return with_truth(answer, track)
+    return truth.with_truth(answer, track)
 
 
 def method(args: argparse.Namespace) -> AssociationModel | CpdModel:

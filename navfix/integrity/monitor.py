@@ -24,6 +24,7 @@ class MonitorSettings:
     ----------
     needed, of : so many of the last so many comparisons make a verdict "unsafe" or "not_available"; ``of`` in a row
         make it "caution", and as many in a row without an alarm end an alarm
+    decisive : an unsafe comparison at so many times its threshold counts twice
     windows_s : lengths of the windows whose mean and trend are tested
     slow_probability : that one such test fails with a good receiver
     model : how errors of successive comparisons belong together
@@ -31,6 +32,7 @@ class MonitorSettings:
 
     needed: int = 3
     of: int = 5
+    decisive: float = 2.0
     windows_s: tuple[float, ...] = (60.0, 300.0)
     slow_probability: float = SLOW_PROBABILITY
     model: ErrorModel = field(default_factory=ErrorModel)
@@ -38,6 +40,8 @@ class MonitorSettings:
     def __post_init__(self) -> None:
         if not 1 <= self.needed <= self.of:
             raise InputError(f"needed must be within 1 .. of, got {self.needed} of {self.of}")
+        if not self.decisive >= 1.0:
+            raise InputError(f"decisive must be >= 1, got {self.decisive!r}")
         if not 0.0 < self.slow_probability < 1.0:
             raise InputError(f"slow_probability must be within 0 .. 1, got {self.slow_probability!r}")
 
@@ -53,6 +57,7 @@ class GnssMonitor:
     def __init__(self, settings: MonitorSettings | None = None) -> None:
         self._settings = settings or MonitorSettings()
         self._verdicts: deque[Verdict] = deque(maxlen=self._settings.of)
+        self._counts: deque[int] = deque(maxlen=self._settings.of)
         self._slow_flags: deque[bool] = deque(maxlen=self._settings.of)
         self._differences: deque[Difference] = deque()
         self._lasting: Verdict | None = None
@@ -86,6 +91,7 @@ class GnssMonitor:
         instant = gnss_verdict(fix, gnss)
         slow = self._slow(fix, gnss, at or (None if fix.epoch is None else fix.epoch.time_utc))
         self._verdicts.append(instant.verdict)
+        self._counts.append(self._counted(instant))
         self._slow_flags.append(any(window.beyond for window in slow))
         before, self._lasting = self._lasting, self._decide()
         why = self._why(slow)
@@ -104,7 +110,7 @@ class GnssMonitor:
         """Eq. (7.7): k of n, and no end of an alarm before n quiet epochs."""
         k, n = self._settings.needed, self._settings.of
         verdicts, slow = list(self._verdicts), list(self._slow_flags)
-        if verdicts.count("unsafe") >= k or sum(slow) >= k:
+        if sum(self._counts) >= k or sum(slow) >= k:
             return "unsafe"
         if self._lasting == "unsafe" and ("unsafe" in verdicts or any(slow) or len(verdicts) < n):
             return "unsafe"
@@ -116,12 +122,19 @@ class GnssMonitor:
             return self._lasting
         return "ok" if "ok" in verdicts or self._lasting == "ok" else "caution"
 
+    def _counted(self, instant: GnssVerdict) -> int:
+        """Return for how many a comparison counts: two where it lies far beyond its threshold, as after a jump."""
+        if instant.verdict != "unsafe":
+            return 0
+        return 2 if instant.distance_m > self._settings.decisive * instant.threshold_m else 1
+
     def _why(self, slow: tuple[Slow, ...]) -> str:
         """Return the reason of the lasting verdict, in one sentence."""
         k, n = self._settings.needed, self._settings.of
         verdicts, beyond = list(self._verdicts), [window for window in slow if window.beyond]
-        if verdicts.count("unsafe") >= k:
-            return f"{verdicts.count('unsafe')} of the last {len(verdicts)} comparisons are beyond the threshold"
+        if sum(self._counts) >= k:
+            far = ", far beyond" if max(self._counts) > 1 else " are beyond"
+            return f"{verdicts.count('unsafe')} of the last {len(verdicts)} comparisons{far} the threshold"
         if sum(self._slow_flags) >= k and beyond:
             return beyond[-1].in_words
         if self._lasting == "unsafe":
@@ -157,6 +170,7 @@ class GnssMonitor:
         if self._silent >= self._settings.of and before not in (None, "unsafe"):
             self._lasting = "not_available"
             self._verdicts.clear()
+            self._counts.clear()
             self._slow_flags.clear()
         if gnss is None:
             return None

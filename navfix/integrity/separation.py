@@ -84,6 +84,10 @@ def separate(blocks: Blocks, hypotheses: BoolArray | None = None) -> Separation:
     if hypotheses is not None:
         chosen = np.asarray(hypotheses, np.float64)
         information, gradient = np.einsum("hg,guv->huv", chosen, information), chosen @ gradient
+    if not _regular(normal):
+        count, u = gradient.shape
+        nothing = np.zeros((count, u, u))
+        return Separation(np.zeros((u, u)), nothing, np.zeros((count, u)), np.zeros(count, bool))
     scale = 1.0 / np.sqrt(np.diagonal(normal))
     reduced = (normal - information) * scale[:, None] * scale
     determined = np.linalg.eigvalsh(reduced)[:, 0] > _SINGULAR
@@ -91,3 +95,12 @@ def separate(blocks: Blocks, hypotheses: BoolArray | None = None) -> Separation:
     without = inverse * scale[:, None] * scale
     shift = (without @ gradient[..., None])[..., 0]
     return Separation(np.linalg.inv(normal), without, shift, determined)
+
+
+def _regular(normal: FloatArray) -> bool:
+    """Tell whether the observations of a fix determine it by themselves: a scan within a smoothed log may not."""
+    diagonal = np.diagonal(normal)
+    if not len(diagonal) or np.any(diagonal <= 0.0):
+        return False
+    scale = 1.0 / np.sqrt(diagonal)
+    return bool(np.linalg.eigvalsh(normal * scale[:, None] * scale)[0] > _SINGULAR)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from navfix.errors import InputError, NoFix
-from navfix.types import Epoch, Fix, GnssVerdict, MeanFix, Position
+from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Position
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +30,7 @@ class Answer:
 
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
     "adjust"). ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
+    ``dead_reckoning`` is where own ship should be by the fixes before, whatever this epoch says.
 
     Raises
     ------
@@ -45,6 +46,7 @@ class Answer:
     truth: Truth | None = None
     notes: tuple[str, ...] = ()
     cautions: tuple[str, ...] = ()
+    dead_reckoning: DeadReckoning | None = None
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):

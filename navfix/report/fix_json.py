@@ -15,6 +15,7 @@ from navfix.types import (
     AdjustedObservation,
     Alternative,
     Association,
+    DeadReckoning,
     Ellipse,
     Epoch,
     Fix,
@@ -42,7 +43,9 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
     """Return the object ``navfix.fix/1`` of an answer: plain numbers, strings, lists and None only.
 
     Beyond the keys of every fix it carries ``truth`` (null without a truth file), ``targets`` and ``marks`` (how many
-    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why) and ``notes``.
+    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why), ``notes``, and two
+    positions apart from the adjusted one: ``dead_reckoning`` by the fixes before, ``observed`` by matching the radar
+    picture with the marks.
     """
     body = no_fix_to_dict(answer.error) if answer.fix is None else fix_to_dict(answer.fix)
     return body | {
@@ -51,6 +54,8 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "plain_mean": plain_mean_to_dict(answer.plain_mean, answer.fix),
         "timing_ms": {step: plain(answer.timing_ms.get(step), 6) for step in (*STEPS, *answer.timing_ms)},
         "truth": truth_to_dict(answer.truth),
+        "dead_reckoning": dead_reckoning_to_dict(answer.dead_reckoning),
+        "observed": observed_to_dict(answer.fix),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
         "chart": None if answer.epoch is None else chart_to_dict(answer.epoch.chart),
@@ -279,6 +284,30 @@ def plain_mean_to_dict(mean: MeanFix | None, fix: Fix | None) -> dict[str, Any] 
         "heading_deg": plain(mean.heading_deg),
         "used": int(mean.used.sum()),
     }
+
+
+def dead_reckoning_to_dict(reckoned: DeadReckoning | None) -> dict[str, Any] | None:
+    """Return position, heading, 95 % ellipse, source and age of the dead reckoning, None without an earlier fix."""
+    if reckoned is None:
+        return None
+    return {
+        "position": position_to_dict(reckoned.position),
+        "heading_deg": plain(reckoned.heading_deg),
+        "heading_sigma_deg": plain(reckoned.heading_sigma_deg),
+        "covariance": plain_matrix(reckoned.covariance),
+        "ellipse": ellipse_to_dict(reckoned.ellipse(ELLIPSE_PROBABILITIES[0])),
+        "since_utc": iso_utc(reckoned.since_utc),
+        "age_s": plain(reckoned.age_s),
+        "source": reckoned.source,
+    }
+
+
+def observed_to_dict(fix: Fix | None) -> dict[str, Any] | None:
+    """Return the observed pose: where matching the radar picture with the marks put own ship, before the adjustment."""
+    found = None if fix is None else fix.association
+    if found is None or found.position is None:
+        return None
+    return {"position": position_to_dict(found.position), "heading_deg": plain(found.heading_deg)}
 
 
 def truth_to_dict(truth: Truth | None) -> dict[str, Any] | None:

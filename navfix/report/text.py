@@ -22,6 +22,7 @@ WIDTH = 100
 _LABEL = 16
 _LISTED = 10  # places and targets listed in full before the rest is only counted
 _GNSS_WORDS = {"ok": "OK", "caution": "CAUTION", "unsafe": "UNSAFE", "not_available": "NOT AVAILABLE"}
+_RECKONED_BY = {"log_and_gyro": "log and gyro", "log": "log along the last heading", "last_velocity": "last velocity"}
 VOUCHED_FOR = 1e-6  # the association states no smaller probability: its calibration cannot show one
 
 
@@ -133,12 +134,36 @@ def _beside(answer: Answer, fix: Fix) -> Iterator[str]:
         yield from _entry("Plain mean", _plain_mean(answer.plain_mean, fix))
     if answer.gnss is not None or answer.epoch is not None:
         yield from _gnss(answer.gnss)
+    yield from _three_positions(answer, fix)
     truth = answer.truth
     if truth is not None:
         error = "" if truth.error_m is None else f"the fix is {words.distance(truth.error_m)} off"
         turned = truth.heading_error_deg
         heading = "" if turned is None else f", its heading {turned:+.2f}°"
         yield from _entry("Truth", f"{words.place(truth.position)}   {error}{heading}")
+
+
+def _three_positions(answer: Answer, fix: Fix | None) -> Iterator[str]:
+    """Yield the reckoned and the observed position beside the adjusted one; nothing before there is dead reckoning."""
+    reckoned = answer.dead_reckoning
+    if reckoned is None:
+        return
+    ellipse = reckoned.ellipse(0.95)
+    off = ""
+    if fix is not None and isinstance(fix.position, Position):
+        distance_m, azimuth_deg = inverse(fix.position, reckoned.position)
+        off = f"   {words.distance(distance_m)} from the fix, {words.direction(azimuth_deg)}"
+    yield from _entry("Dead reckoning", words.place(reckoned.position) + off)
+    yield from _entry(
+        "",
+        f"{reckoned.age_s:.0f} s after the last fix, by {_RECKONED_BY[reckoned.source]}; ellipse 95 % "
+        f"{_metres(ellipse.semi_major_m)} x {_metres(ellipse.semi_minor_m)}",
+    )
+    observed = None if fix is None or fix.association is None else fix.association.position
+    if observed is not None and fix is not None and isinstance(fix.position, Position):
+        distance_m, azimuth_deg = inverse(fix.position, observed)
+        off = f"   {words.distance(distance_m)} from the fix, {words.direction(azimuth_deg)}"
+        yield from _entry("Observed", words.place(observed) + off)
 
 
 def _plain_mean(mean: MeanFix, fix: Fix) -> str:
@@ -248,6 +273,7 @@ def no_fix_lines(answer: Answer) -> Iterator[str]:
         yield from _gnss(answer.gnss)
     elif answer.epoch is not None and answer.epoch.gnss is not None:
         yield from _entry("GNSS", "present, but without a fix there is nothing to compare it with")
+    yield from _three_positions(answer, None)
     if answer.truth is not None:
         yield from _entry("Truth", words.place(answer.truth.position))
     if answer.epoch is not None and answer.epoch.targets:

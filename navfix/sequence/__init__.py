@@ -1,3 +1,1 @@
-"""Over time: the bank of hypotheses, the navigator that holds a place, and what guards it."""
-
-from __future__ import annotations
+"""Over time: the navigator that holds a place, dead reckoning, errors common to minutes, and a whole log smoothed."""

@@ -29,6 +29,7 @@ from navfix.types.observed import (
     TargetPoint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
+from navfix.types.reckoned import DeadReckoning, ReckoningSource
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
 
 __all__ = [
@@ -38,6 +39,7 @@ __all__ = [
     "BearingReference",
     "ChartCheck",
     "CovarianceScaling",
+    "DeadReckoning",
     "Decision",
     "Ellipse",
     "Epoch",
@@ -62,6 +64,7 @@ __all__ = [
     "Position",
     "PositionHint",
     "RadarTarget",
+    "ReckoningSource",
     "SecondGroup",
     "Sensor",
     "ShipVeracity",

@@ -51,17 +51,25 @@ def fed(offsets_m: list[float | None], monitor: GnssMonitor | None = None, *, ti
 
 
 def test_three_of_five_make_an_alarm_and_five_quiet_ones_end_it() -> None:
-    verdicts = fed([0, 0, 200, 0, 200, 0, 200, 0, 0, 0, 0, 0, 0])
+    verdicts = fed([0, 0, 60, 0, 60, 0, 60, 0, 0, 0, 0, 0, 0])
     assert [v.verdict for v in verdicts] == ["ok"] * 6 + ["unsafe"] * 5 + ["ok"] * 2
     assert [v.instant for v in verdicts[:4]] == ["ok", "ok", "unsafe", "ok"]
 
 
 def test_every_change_gives_one_alert() -> None:
-    alerts = [v.alert for v in fed([0] * 5 + [200] * 10 + [0] * 10)]
+    alerts = [v.alert for v in fed([0] * 5 + [60] * 10 + [0] * 10)]
     said = [alert for alert in alerts if alert]
     assert len(said) == 2
     assert said[0].startswith("GNSS ok -> unsafe: 3 of the last 5 comparisons are beyond the threshold")
     assert said[1].startswith("GNSS unsafe -> ok: ")
+
+
+def test_two_comparisons_at_twice_the_threshold_are_enough() -> None:
+    verdicts = fed([0] * 5 + [200] * 3)
+    assert [v.verdict for v in verdicts] == ["ok"] * 6 + ["unsafe"] * 2
+    assert (verdicts[6].alert or "").startswith("GNSS ok -> unsafe: 2 of the last 5 comparisons, far beyond")
+    with pytest.raises(InputError, match="decisive"):
+        MonitorSettings(decisive=0.5)
 
 
 def test_one_bad_comparison_changes_nothing() -> None:

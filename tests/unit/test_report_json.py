@@ -30,6 +30,10 @@ EXTRA_KEYS = {
     "compass_error_sigma_deg",
     "damping",
     "standardise",
+    "dead_reckoning",
+    "chart",
+    "choice",
+    "observed",
 }
 OBSERVATION_KEYS = {
     "target", "mark", "kind", "unit", "observed", "adjusted", "residual", "sigma", "standardized", "redundancy_number",

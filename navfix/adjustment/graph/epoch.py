@@ -1,4 +1,4 @@
-"""The adjustment as a factor graph: the only module that imports GTSAM.
+"""One epoch as a factor graph.
 
 Own ship is a Pose2 (x = north, y = east, theta = heading: its angle is the heading and its bearings are the relative
 bearings), every mark a Point2.
@@ -137,14 +137,14 @@ def _heading_priors(network: Network, pose: FloatArray) -> Sequence[tuple[float,
     return [] if network.heading_prior_rad is None else [network.heading_prior_rad]
 
 
-def _marginal(graph: Any, solution: Any) -> FloatArray:
+def _marginal(graph: Any, solution: Any, key: int = POSE) -> FloatArray:
     """Rotate the marginal covariance of the pose from the ship's axes into north and east."""
     import gtsam
 
-    heading_rad = solution.atPose2(POSE).theta()
+    heading_rad = solution.atPose2(key).theta()
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(rotation @ gtsam.Marginals(graph, solution).marginalCovariance(POSE) @ rotation.T)
+    return np.asarray(rotation @ gtsam.Marginals(graph, solution).marginalCovariance(key) @ rotation.T)
 
 
 # ---------------------------------------------------------------------------------------------------------- factors

@@ -1,0 +1,170 @@
+"""Robust Gauss-Newton over a whole window: the road of our own beside the factor graph."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from navfix.adjustment.window.rows import Plan, Rows
+from navfix.errors import Unobservable
+from navfix.kernels import Damping, Kernel
+from navfix.types import FloatArray
+
+DENSE_BELOW = 900  # unknowns: from here on the normal equations are factorised as sparse ones
+ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-6  # sigma: the last step of a descent
+_ITERATIONS = 40
+_LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
+_SMALLEST, _LARGEST = 1e-9, 1e9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Weights:
+    """Weight of each sighting (k, 2), of each mark's constant errors (M,), and of every row (m,)."""
+
+    sighting: FloatArray
+    static: FloatArray
+    row: FloatArray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Descended:
+    """Where a descent ended: ``step`` is the length of the last step in units of sigma."""
+
+    state: FloatArray
+    loss: float
+    step: float
+    iterations: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Damper:
+    """How rows are damped: each sighting by its own norm, the constant errors of each mark by theirs; eq. (8.7).
+
+    ``taking_part`` (M,): marks that are left in.
+    """
+
+    plan: Plan
+    kernel: Kernel
+    damping: Damping
+    components: FloatArray
+    taking_part: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+
+    def rows(self, state: FloatArray) -> Rows:
+        """Return the rows at a state."""
+        return self.plan.rows(state, self.components)
+
+    def judge(self, residual: FloatArray) -> tuple[float, Weights]:
+        """Return the total loss and the weights for the residuals (m,) of `rows`."""
+        plan, window = self.plan, self.plan.window
+        radar, static = residual[plan.radar].reshape(-1, 2), residual[plan.static]
+        used = self.taking_part[window.seen.mark]
+        if self.damping == "joint":
+            norm = np.hypot(radar[:, 0], radar[:, 1])
+            loss, weight = self.kernel.loss(norm, "joint"), self.kernel.weight(norm, "joint")
+            each, by_sighting = loss, np.column_stack([weight, weight])
+        else:
+            each = self.kernel.loss(np.abs(radar), "separate").sum(axis=1)
+            by_sighting = self.kernel.weight(np.abs(radar), "separate")
+        by_sighting = by_sighting * used[:, None]
+        of_mark = plan.layout.static_mark(window)
+        stretch = np.sqrt(np.maximum(np.bincount(window.tracks.mark, minlength=plan.layout.marks), 1.0))
+        norm = np.sqrt(np.bincount(of_mark, static**2, plan.layout.marks)) / stretch
+        by_mark = np.where(self.taking_part, np.maximum(self.kernel.weight(norm, "joint"), _LEAST_WEIGHT), 1.0)
+        static_loss = np.where(
+            self.taking_part, self.kernel.loss(norm, "joint") * stretch**2, 0.5 * norm**2 * stretch**2
+        )
+        row = np.ones(len(residual))
+        row[plan.radar], row[plan.static] = by_sighting.ravel(), by_mark[of_mark]
+        rest = residual.copy()
+        rest[plan.radar] = rest[plan.static] = 0.0
+        total = float(each @ used) + float(static_loss.sum()) + 0.5 * float(rest @ rest)
+        return total, Weights(by_sighting, by_mark, row)
+
+
+def normal_of(damper: Damper, state: FloatArray) -> tuple[Any, FloatArray, Rows, Weights, float]:
+    """Return A'WA, A'Wv, rows, weights and loss at a state; A'WA is dense for few unknowns and sparse for many."""
+    rows = damper.rows(state)
+    loss, weights = damper.judge(rows.residual)
+    size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
+    products = (rows.values[:, :, None] * weighted[:, None, :]).ravel()
+    columns = rows.columns.ravel()
+    gradient = np.bincount(columns, (weighted * rows.residual[:, None]).ravel(), size)
+    matrix: Any
+    if size < DENSE_BELOW:
+        matrix = np.bincount(damper.plan.place, products, size * size).reshape(size, size)
+    else:
+        from scipy.sparse import coo_matrix
+
+        matrix = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
+    return matrix, np.asarray(gradient, np.float64), rows, weights, loss
+
+
+def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, iterations: int = _ITERATIONS) -> Descended:
+    """Go down from a start until a step is shorter than ``tolerance`` sigma (Levenberg-Marquardt on iterated weights).
+
+    Raises
+    ------
+    Unobservable : the normal matrix is singular
+    """
+    state, mu, length, count = np.array(start, np.float64), 1e-9, np.inf, 0
+    matrix, gradient, _, _, loss = normal_of(damper, state)
+    while count < iterations and length > tolerance and mu < _LARGEST:
+        count += 1
+        step = -solve_normal(matrix, gradient, mu)
+        length = float(np.sqrt(max(-float(gradient @ step), 0.0)))
+        tried = state + step
+        after, _ = damper.judge(damper.rows(tried).residual)
+        if after <= loss * (1.0 + 1e-12) + 1e-12:
+            state, mu = tried, max(mu * 0.1, _SMALLEST)
+            matrix, gradient, _, _, loss = normal_of(damper, state)
+        elif length < 1e-6:
+            break
+        else:
+            mu, length = max(mu * 10.0, 1e-4), np.inf
+    return Descended(state, loss, length, count)
+
+
+def solve_normal(matrix: Any, right: FloatArray, mu: float = 0.0) -> FloatArray:
+    """Solve (N + mu diag N) x = right, dense for small N and sparse for large.
+
+    Raises
+    ------
+    Unobservable : N is singular
+    """
+    from scipy.linalg import LinAlgError, cho_factor, cho_solve
+    from scipy.sparse.linalg import splu
+
+    try:
+        if isinstance(matrix, np.ndarray):
+            damped = matrix.copy()
+            damped[np.diag_indices_from(damped)] *= 1.0 + mu
+            factor = cho_factor(damped, overwrite_a=True, check_finite=False)
+            return np.asarray(cho_solve(factor, right, check_finite=False))
+        from scipy.sparse import diags
+
+        return np.asarray(splu((matrix + mu * diags(matrix.diagonal())).tocsc()).solve(right))
+    except (LinAlgError, RuntimeError) as failure:
+        raise Unobservable("the window leaves a direction free", direction="not determined") from failure
+
+
+def inverse_of(matrix: Any) -> FloatArray:
+    """Return the whole inverse of the normal matrix, the cofactor matrix of all unknowns.
+
+    Raises
+    ------
+    Unobservable : it is singular
+    """
+    from scipy.linalg import LinAlgError, cho_factor
+    from scipy.linalg.lapack import dpotri
+
+    try:
+        factor, _ = cho_factor(
+            matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), lower=True, check_finite=False
+        )
+    except LinAlgError as failure:
+        raise Unobservable("the window leaves a direction free", direction="not determined") from failure
+    half, _ = dpotri(factor, lower=True)
+    lower = np.tril(half)
+    return np.asarray(lower + np.tril(lower, -1).T)

@@ -1,0 +1,116 @@
+"""Dead reckoning: continuous, growing as its law says, honest after gaps, never joined across restarts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from navfix.catalog import own_motion_model
+from navfix.geodesy import LocalPlane, inverse
+from navfix.sequence.dead_reckoning import DeadReckoner
+from navfix.types import Epoch, Fix, HeadingHint, Position, SpeedHint
+
+START = datetime(2026, 5, 1, tzinfo=UTC)
+OWN = Position(54.5, 18.8)
+STEP_S = 3.0
+
+
+def fix_at(position: Position, heading_deg: float | None = 30.0, sigma_m: float = 10.0) -> Fix:
+    covariance = np.diag([sigma_m**2, sigma_m**2, math.radians(0.3) ** 2])
+    if heading_deg is None:
+        covariance = covariance[:2, :2]
+    return Fix(
+        position, heading_deg, covariance, 1.0, 9, (), None, None, covariance, "a_priori", 9.0, "hampel"
+    )  # fmt: skip
+
+
+def epoch_at(second: float, *, gyro: float | None = None, log: float | None = None) -> Epoch:
+    hint = None if gyro is None else HeadingHint(gyro, 1.5)
+    speed = None if log is None else SpeedHint(log, 0.1)
+    return Epoch(START + timedelta(seconds=second), (), (), heading_hint=hint, speed_hint=speed)
+
+
+def test_the_error_grows_with_the_cube_of_time_where_nothing_tells_the_velocity() -> None:
+    reckoner = DeadReckoner()
+    for k in range(41):
+        reckoner.feed(epoch_at(3.0 * k), fix_at(OWN))
+    sigma = {}
+    for second in (180.0, 300.0, 600.0, 900.0):
+        found = reckoner.feed(epoch_at(second))
+        assert found is not None
+        sigma[second] = math.sqrt(float(found.covariance[0, 0]))
+    assert sigma[180.0] < sigma[300.0] < sigma[600.0] < sigma[900.0]
+    model = own_motion_model()
+    law = model.velocity_walk_mps * math.sqrt((900.0 - 120.0) ** 3 / (3.0 * model.velocity_walk_s))
+    assert law < sigma[900.0] < 1.2 * law
+
+
+def test_the_position_is_continuous_and_follows_the_log() -> None:
+    reckoner = DeadReckoner()
+    for k in range(41):
+        place = LocalPlane(OWN).to_position(5.0 * 3.0 * k, 0.0)
+        reckoner.feed(epoch_at(3.0 * k, gyro=2.0, log=5.0), fix_at(place, 0.0))
+    before = reckoner.feed(epoch_at(123.0, gyro=2.0, log=5.0))
+    after = reckoner.feed(epoch_at(126.0, gyro=92.0, log=5.0))
+    later = reckoner.feed(epoch_at(186.0, gyro=92.0, log=5.0))
+    assert before is not None
+    assert after is not None
+    assert later is not None
+    assert before.source == "log_and_gyro"
+    assert inverse(before.position, after.position)[0] < 17.0
+    distance_m, azimuth_deg = inverse(after.position, later.position)
+    assert distance_m == pytest.approx(300.0, abs=15.0)
+    assert azimuth_deg == pytest.approx(90.0, abs=4.0), "the gyro's constant error cancels"
+    assert later.heading_deg == pytest.approx(90.0, abs=0.5)
+    assert later.age_s == pytest.approx(66.0)
+
+
+def test_a_log_that_falls_silent_leaves_the_velocity_over_ground() -> None:
+    reckoner = DeadReckoner()
+    for k in range(41):
+        place = LocalPlane(OWN).to_position(0.0, 6.0 * 3.0 * k)
+        reckoner.feed(epoch_at(3.0 * k, gyro=90.0, log=5.0), fix_at(place, 90.0))
+    found = reckoner.feed(epoch_at(180.0))
+    assert found is not None
+    assert found.source == "last_velocity"
+    assert LocalPlane(OWN).to_plane(found.position)[1] == pytest.approx(6.0 * 180.0, abs=40.0)
+
+
+def test_one_contradicting_fix_is_left_out_and_two_begin_a_new_track() -> None:
+    reckoner = DeadReckoner()
+    for k in range(20):
+        reckoner.feed(epoch_at(3.0 * k), fix_at(OWN))
+    far = LocalPlane(OWN).to_position(5000.0, 0.0)
+    reckoner.feed(epoch_at(60.0), fix_at(far))
+    after_one = reckoner.feed(epoch_at(63.0), fix_at(far))
+    assert after_one is not None
+    assert inverse(after_one.position, OWN)[0] < 200.0
+    after_two = reckoner.feed(epoch_at(66.0))
+    assert after_two is not None
+    assert inverse(after_two.position, far)[0] < 200.0
+
+
+def test_no_dead_reckoning_before_the_first_fix_after_half_an_hour_or_a_restart() -> None:
+    reckoner = DeadReckoner()
+    assert reckoner.feed(epoch_at(0.0)) is None
+    assert reckoner.feed(epoch_at(3.0), fix_at(OWN)) is None
+    assert reckoner.feed(epoch_at(6.0)) is not None
+    assert reckoner.feed(epoch_at(3.0)) is None, "the clock was set back"
+    assert reckoner.feed(epoch_at(9.0), fix_at(OWN)) is None
+    assert reckoner.feed(epoch_at(9.0 + 1801.0)) is None
+    assert DeadReckoner().feed(replace(epoch_at(0.0), time_utc=None), fix_at(OWN)) is None
+
+
+def test_dead_reckoning_goes_on_across_the_date_line() -> None:
+    own = Position(10.0, 179.9999)
+    reckoner = DeadReckoner()
+    for k in range(41):
+        reckoner.feed(epoch_at(3.0 * k), fix_at(LocalPlane(own).to_position(0.0, 24.0 * k)))
+    found = reckoner.feed(epoch_at(180.0))
+    assert found is not None
+    assert LocalPlane(own).to_plane(found.position)[1] == pytest.approx(8.0 * 180.0, abs=40.0)
+    assert found.position.lon_deg < -179.0
