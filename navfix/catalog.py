@@ -123,6 +123,8 @@ class AssociationModel:
     accept_probability: float
     least_margin: float
     margin_with_hint: float
+    mirror_share: float
+    mirror_below: float
     accidents: float
     rivals: float
     least_probability: float

@@ -60,6 +60,11 @@ def probability_of_rival(ahead: float, model: AssociationModel) -> float:
     return min(1.0, model.rivals * math.exp(-ahead))
 
 
+def probability_of_mirror(evidence: float, mirrored: float, model: AssociationModel) -> float:
+    """Return the probability that the bearings are counted backwards, given the evidence of the mirrored echoes."""
+    return min(1.0, model.mirror_share * math.exp(min(mirrored - evidence, 50.0)))
+
+
 def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:
     """Return the probability that an answer is wrong, never less than what the calibration can vouch for."""
     total = probability_of_accident(evidence, model) + probability_of_rival(ahead, model)

@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from navfix.association import ambiguity, pairs, proof, second_group, seeded, source_method
+from navfix.association import acceptance, ambiguity, pairs, proof, second_group, seeded, source_method
 from navfix.association import scene as scenes
+from navfix.association.acceptance import FEWEST, FEWEST_WITH_HINT, Acceptance
 from navfix.association.evidence import Judged
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
@@ -23,7 +24,6 @@ from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
 
-FEWEST, FEWEST_WITH_HINT = 3, 2
 LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
@@ -64,9 +64,9 @@ def associate(
         return _by_source_method(epoch, model, radar_model(radar))
     scene = scenes.build(epoch, radar_model(radar), model)
     found = seeded.search(scene, model, epoch=epoch)
-    _require_agreement(found, scene, model)
+    decision = _require_agreement(found, scene, model)
     notes = _prove(found, scene, model) if prove else ()
-    return _association(found, scene, model, tuple(target.label for target in epoch.targets), notes)
+    return _association(found, scene, model, decision, tuple(target.label for target in epoch.targets), notes)
 
 
 def _require_enough(epoch: Epoch) -> None:
@@ -78,22 +78,27 @@ def _require_enough(epoch: Epoch) -> None:
             )
 
 
-def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> None:
-    """Raise unless the best answer has enough marks, enough evidence and enough margin."""
-    evidence, marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
-    ahead = ambiguity.margin(found.answers)
-    hint = found.prior.has_hint
-    fewest, enough = (FEWEST_WITH_HINT, model.margin_with_hint) if hint else (FEWEST, model.least_margin)
-    if marks < fewest or ambiguity.probability_of_accident(evidence, model) > model.accept_probability:
+def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> Acceptance:
+    """Return the decision to answer, or raise with what speaks against it."""
+    decision = acceptance.decide(found, model)
+    enough = model.margin_with_hint if found.prior.has_hint else model.least_margin
+    if decision.reason == "accident":
         raise NoAgreement(
-            f"no place explains the echoes better than chance does: the best one matches {marks} marks, "
-            f"its evidence is {evidence:.1f}",
-            evidence=evidence,
+            f"no place explains the echoes better than chance does: the best one matches "
+            f"{int(found.answers.ships[0])} marks, its evidence is {decision.evidence:.1f}",
+            evidence=decision.evidence,
             alternatives=_alternatives(found, scene, enough),
         )
-    if ahead < enough or ambiguity.probability_wrong(evidence, ahead, model) > model.accept_probability:
-        within = max(enough, math.log(model.rivals / model.accept_probability))
-        raise _ambiguous(found.answers, scene, within)
+    if decision.reason == "mirror":
+        raise NoAgreement(
+            f"mirrored, the echoes fit the marks far better (evidence {decision.mirrored:.1f} against "
+            f"{decision.evidence:.1f}): are bearings counted anticlockwise?",
+            evidence=decision.evidence,
+            alternatives=_alternatives(found, scene, enough),
+        )
+    if decision.reason == "rival":
+        raise _ambiguous(found.answers, scene, max(enough, math.log(model.rivals / model.accept_probability)))
+    return decision
 
 
 def _prove(found: Search, scene: Scene, model: AssociationModel) -> tuple[str, ...]:
@@ -141,21 +146,24 @@ def _as_alternatives(answers: Judged, scene: Scene, rows: IntArray) -> tuple[Alt
 
 
 def _association(
-    found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...], notes: tuple[str, ...]
+    found: Search,
+    scene: Scene,
+    model: AssociationModel,
+    decision: Acceptance,
+    labels: tuple[str, ...],
+    notes: tuple[str, ...],
 ) -> Association:
-
     answers = found.answers
     index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
-    ahead = ambiguity.margin(answers)
     return Association(
         pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
         probability=probability,
         position=position_of(scene, complex(answers.poses.p[0])),
         heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
         covariance=np.linalg.inv(answers.information[0]),
-        evidence=float(answers.evidence[0]),
-        margin=min(ahead, LARGEST_MARGIN),
-        probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
+        evidence=decision.evidence,
+        margin=min(decision.margin, LARGEST_MARGIN),
+        probability_wrong=decision.probability_wrong,
         alternatives=_alternatives(found, scene, model.least_margin)[1:],
         second_group=_second_group(found, scene, model, index_pairs, labels),
         notes=(*_notes(found), *notes),

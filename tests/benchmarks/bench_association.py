@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from navfix.association import ambiguity, cpd, seeded
+from navfix.association import acceptance, ambiguity, cpd, seeded
 from navfix.association import scene as scenes
 from navfix.association.epoch import associate
 from navfix.catalog import AssociationModel, association_model, radar_model
@@ -377,9 +377,7 @@ def random_recipe(generator: np.random.Generator) -> SceneRecipe:
 
 
 def _is_accepted(found: seeded.Search) -> bool:
-    ahead, evidence = ambiguity.margin(found.answers), float(found.answers.evidence[0])
-    sure = ambiguity.probability_wrong(evidence, ahead, MODEL) <= MODEL.accept_probability
-    return bool(sure and ahead >= MODEL.least_margin and found.answers.ships[0] >= 3)
+    return acceptance.decide(found, MODEL).reason is None
 
 
 def _timed(call: Callable[[], object]) -> tuple[object, float]:
