@@ -91,6 +91,9 @@ class AssociationModel:
     votes_at_most: int
     annealing: list[float]
     finalists: int
+    screen_targets: int
+    screen_neighbours: int
+    first_finalists: int
     neighbours: int
     clutter_share: list[float]
     detection_level: list[float]
@@ -116,6 +119,8 @@ class AssociationModel:
     hint_wrong_share: float
     compass_sigma_deg: float
     alignment_sigma_deg: float
+    warm_m: float
+    warm_deg: float
     second_group_pairs: int
     second_group_evidence: float
     stop_evidence: float

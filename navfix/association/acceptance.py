@@ -4,7 +4,7 @@ Chance may have made the agreement (accident), another place may explain the ech
 be the mirror image of what the radar saw: bearings counted the wrong way round. That is a fault of the installation
 and not of the method, but it is a trap: where a and b lie alike on both sides of a line, mirrored a falls on b *and*
 mirrored b on a, so that one coincidence counts twice and chance agreement is far likelier than among other marks. The
-mirrored echoes are therefore searched as well: they can explain the marks by far better only if they are the right ones.
+mirrored echoes are therefore searched as well: they explain the marks by far better only if they are the right ones.
 """
 
 from __future__ import annotations

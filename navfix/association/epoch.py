@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 
-from navfix.association import acceptance, ambiguity, pairs, proof, second_group, seeded, source_method
+from navfix.association import acceptance, ambiguity, pairs, proof, second_group, seeded, source_method, warm_start
 from navfix.association import scene as scenes
 from navfix.association.acceptance import FEWEST, FEWEST_WITH_HINT, Acceptance
 from navfix.association.evidence import Judged
+from navfix.association.kept_index import KeptIndex
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
 from navfix.catalog import (
@@ -33,6 +34,8 @@ def associate(
     method: str | AssociationModel | CpdModel = "seeded",
     radar: RadarModel | str = "imo",
     prove: bool = False,
+    index: KeptIndex | None = None,
+    warm: bool = False,
 ) -> Association:
     """Find which target is which mark, and with it own position and heading, from any start.
 
@@ -42,6 +45,9 @@ def associate(
     method : a name in models/association: "seeded", or "cpd" for the plain Coherent Point Drift of [2], which always
         answers
     radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
+    index : the caller's index of mark pairs, kept from call to call and brought up to date here
+    warm : with a position and a heading hint (to some 500 m and 3 deg), start from them alone; the answer is given
+        where its evidence stands without the hints, else everything is searched. AIS shifted alike is not looked for
     prove : search everywhere for other answers (seconds to a minute) before one is accepted; the notes say the result
 
     Returns
@@ -63,10 +69,16 @@ def associate(
     if isinstance(model, CpdModel):
         return _by_source_method(epoch, model, radar_model(radar))
     scene = scenes.build(epoch, radar_model(radar), model)
-    found = seeded.search(scene, model, epoch=epoch)
+    labels = tuple(target.label for target in epoch.targets)
+    if warm and not prove:
+        near = warm_start.search(scene, model, epoch)
+        if near is not None:
+            return _association(near.found, scene, model, near.decision, labels, (near.note,), look_further=False)
+    pairs_of_marks = index.of(scene, epoch.marks) if index is not None else None
+    found = seeded.search(scene, model, epoch=epoch, index=pairs_of_marks)
     decision = _require_agreement(found, scene, model)
     notes = _prove(found, scene, model) if prove else ()
-    return _association(found, scene, model, decision, tuple(target.label for target in epoch.targets), notes)
+    return _association(found, scene, model, decision, labels, notes)
 
 
 def _require_enough(epoch: Epoch) -> None:
@@ -152,6 +164,7 @@ def _association(
     decision: Acceptance,
     labels: tuple[str, ...],
     notes: tuple[str, ...],
+    look_further: bool = True,
 ) -> Association:
     answers = found.answers
     index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
@@ -165,7 +178,7 @@ def _association(
         margin=min(decision.margin, LARGEST_MARGIN),
         probability_wrong=decision.probability_wrong,
         alternatives=_alternatives(found, scene, model.least_margin)[1:],
-        second_group=_second_group(found, scene, model, index_pairs, labels),
+        second_group=_second_group(found, scene, model, index_pairs, labels) if look_further else None,
         notes=(*_notes(found), *notes),
         method=model.name,
     )

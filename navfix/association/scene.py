@@ -71,7 +71,7 @@ class Scene:
         """Marks as (n, 2) for the KD-tree."""
         return np.column_stack([self.z.real, self.z.imag])
 
-    def keeping(self, targets: IntArray, marks: IntArray) -> Scene:
+    def keeping(self, targets: IntArray | slice, marks: IntArray | slice) -> Scene:
         """Return the scene with only these ``targets`` and ``marks`` (indices of this scene)."""
         return replace(
             self,

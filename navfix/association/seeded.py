@@ -58,7 +58,8 @@ def search_field(field: em.Field, known: Prior, index: PairIndex) -> Search:
             starts = Poses.join(found.poses.take(np.arange(min(5, len(found.poses)))), starts)
         if len(starts) == 0:
             break
-        poses, information = em.refine(field, starts, finalists=max(model.finalists, most // 3))
+        most_final = model.first_finalists if number == 0 else max(model.finalists, most // 3)
+        poses, information = em.refine(field, starts, most_final, quickly=number == 0)
         found = ambiguity.distinct(evidence.judge(field, poses, information, known), model)
         tried = len(voting.first)
         certain = found.evidence[0] > model.stop_evidence and ambiguity.margin(found) > model.stop_margin

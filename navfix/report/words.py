@@ -83,7 +83,8 @@ def odds(probability: float) -> str:
 
 def _one_or_two_digits_up(value: float) -> int:
     digits = max(0, math.floor(math.log10(value)) - 1)
-    return max(1, math.ceil(value / 10**digits - 1e-6) * 10**digits)
+    step = int(10**digits)
+    return max(1, math.ceil(value / step - 1e-6) * step)
 
 
 def utc(time_utc: datetime | None) -> str:

@@ -194,9 +194,7 @@ def _lay_out(
     raise ValueError(f"layout must be one of {', '.join(LAYOUTS)}, got {recipe.layout!r}")
 
 
-def _anchorages(
-    random: np.random.Generator, count: int, radius_m: float
-) -> tuple[NDArray[np.complex128], Crowding]:
+def _anchorages(random: np.random.Generator, count: int, radius_m: float) -> tuple[NDArray[np.complex128], Crowding]:
     """Six marks in ten crowd about anchorages, one for twenty marks; the others lie anywhere."""
     centres = _in_disc(random, max(2, count // 20), 0.8 * radius_m)
     scatter = 900.0 * (random.normal(size=count) + 1j * random.normal(size=count))
