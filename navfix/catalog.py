@@ -101,6 +101,7 @@ class AssociationModel:
     clutter_neighbours: int
     clutter_floor_m: float
     use_speed: bool
+    use_length: bool
     use_missed: bool
     use_local_clutter: bool
     far_detection: float
@@ -123,6 +124,7 @@ class AssociationModel:
     warm_deg: float
     second_group_pairs: int
     second_group_evidence: float
+    second_group_m: float
     stop_evidence: float
     stop_margin: float
     accept_probability: float

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from navfix.association.lengths import log_length_ratio
 from navfix.association.scene import ComplexArray, Scene
 from navfix.association.seeds import Poses
 from navfix.association.speeds import log_speed_ratio
@@ -73,9 +74,13 @@ class Field:
         return fall
 
     def _log_pair_ratio(self) -> FloatArray | None:
-        """Return what speed says of each target and mark (m, n), None where it says nothing."""
-        told = self.log_speed_ratio
-        return None if told is None or not told.any() else np.pad(told, ((0, 0), (0, 1)))
+        """Return what speed and length say of each target and mark (m, n + 1), None where they say nothing."""
+        told = (
+            np.zeros((len(self.scene.rho), len(self.scene.z))) if self.log_speed_ratio is None else self.log_speed_ratio
+        )
+        if self.model.use_length and np.isfinite(self.scene.target_length_m).any():
+            told = told + log_length_ratio(self.scene.target_length_m, self.scene.mark_length_m)
+        return np.pad(told, ((0, 0), (0, 1))) if told.any() else None
 
     def nearest(self, world: ComplexArray, reach_m: float = np.inf) -> IntArray:
         """Return the nearest marks (..., q) of places (...); where fewer are within reach, the number of marks."""

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from navfix.geodesy import LocalPlane
-from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarget
+from navfix.types import Epoch, FloatArray, Hull, IntArray, Mark, Position, RadarTarget
 from navfix.units import NM_M
 
 Crowding = Callable[[NDArray[np.complex128]], FloatArray]  # marks per m^2 at places of any shape
@@ -31,7 +31,8 @@ class SceneRecipe:
     AIS stations in the disc of ``ais_nm``, of which the share ``false_ais`` is elsewhere than it says (by 200 .. 3000 m
     one by one; with ``coherent_m`` > 0 all by that one vector). Sigmas are 1 sigma; range sigma is the larger of metres
     and fraction. The noise drawn is ``noise_misfit`` times what the scene states; every mark is ``mark_offset_m`` off
-    in a direction of its own.
+    in a direction of its own. With ``lengths`` every mark is a ship of known length and the radar tells how long its
+    echoes are.
     """
 
     targets: int
@@ -49,6 +50,7 @@ class SceneRecipe:
     noise_misfit: float = 1.0
     range_bias_m: float = 0.0
     mark_offset_m: float = 0.0
+    lengths: bool = False
     centre: Position = Position(54.2, 7.6)  # noqa: RUF009 (a frozen record)
 
 
@@ -62,6 +64,7 @@ class MadeScene:
     pairs: IntArray
     crlb: FloatArray | None
     predicted_evidence: float
+    predicted_if_uniform: float
 
 
 def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScene:
@@ -101,14 +104,18 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
     right = np.array([i for i, j in enumerate(mark_of) if j >= 0 and not false[j]], dtype=np.int64)
     pairs = np.column_stack([right, mark_of[right]]).astype(np.int64)
     information = _information(polar[right] * np.exp(1j * heading_rad), sigma_m[right], sigma_rad, recipe.mark_sigma_m)
+    if recipe.lengths:
+        epoch = _with_lengths(epoch, mark_of, random)
+    turned, scattered = polar[right] * np.exp(1j * heading_rad), (sigma_m[right], sigma_rad)
+    uniform = predicted_evidence(recipe, polar[right], *scattered, information, len(echoes), len(visible))
     return MadeScene(
         epoch,
         plane.to_position(own.real, own.imag),
         math.degrees(heading_rad),
         pairs,
         np.linalg.inv(information).astype(np.float64) if len(right) >= 2 else None,
-        predicted_evidence(recipe, polar[right], sigma_m[right], sigma_rad, information, len(echoes), len(visible))
-        - log_crowding(recipe, polar[right] * np.exp(1j * heading_rad), own, crowding, len(visible)),
+        uniform - log_crowding(recipe, turned, own, crowding, len(visible)),
+        uniform,
     )
 
 
@@ -261,6 +268,23 @@ def _measure(
     measured_m = range_m + recipe.range_bias_m + recipe.noise_misfit * sigma_m * random.normal(size=len(polar))
     bearing_rad = np.angle(polar) + recipe.noise_misfit * sigma_rad * random.normal(size=len(polar))
     return np.maximum(measured_m, 20.0), bearing_rad, sigma_m, sigma_rad
+
+
+def _with_lengths(epoch: Epoch, mark_of: IntArray, random: np.random.Generator) -> Epoch:
+    """Give every mark a length (median 90 m) and every echo what shows of it by its aspect; clutter is small craft."""
+    ship_m = np.clip(90.0 * np.exp(0.7 * random.normal(size=len(epoch.marks))), 8.0, 400.0)
+    own_m = np.clip(25.0 * np.exp(0.8 * random.normal(size=len(mark_of))), 5.0, 400.0)
+    aspect = np.abs(np.sin(math.pi * random.uniform(size=len(mark_of))))
+    true_m = np.where(mark_of >= 0, ship_m[mark_of], own_m)
+    seen_m = np.hypot(true_m * np.maximum(aspect, 0.2), 15.0) * np.exp(0.15 * random.normal(size=len(mark_of)))
+    return replace(
+        epoch,
+        targets=tuple(replace(t, length_m=float(m)) for t, m in zip(epoch.targets, seen_m, strict=True)),
+        marks=tuple(
+            replace(mark, hull=Hull(0.5 * m, 0.5 * m, 0.08 * m, 0.08 * m))
+            for mark, m in zip(epoch.marks, ship_m.tolist(), strict=True)
+        ),
+    )
 
 
 def _information(

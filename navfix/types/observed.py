@@ -21,7 +21,7 @@ class RadarTarget:
 
     ``bearing_reference`` "relative" counts from the radar's zero mark, "true" from north.
     ``speed_mps`` and ``course_deg`` are true and over ground (None where the radar does not say so).
-    A sigma given here (1 sigma) overrides the radar model's.
+    A sigma given here (1 sigma) overrides the radar model's. ``length_m`` is how long the echo is, where radar tells.
     """
 
     label: str
@@ -34,6 +34,7 @@ class RadarTarget:
     range_sigma_m: float | None = None
     bearing_sigma_deg: float | None = None
     status: str | None = None
+    length_m: float | None = None
 
     def __post_init__(self) -> None:
         who = f"target {self.label}"
@@ -45,9 +46,9 @@ class RadarTarget:
             "must be 'relative' or 'true'",
             self.bearing_reference,
         )
-        for name in ("range_sigma_m", "bearing_sigma_deg"):
-            sigma = getattr(self, name)
-            require(sigma is None or (math.isfinite(sigma) and sigma > 0.0), f"{who}: {name}", "must be > 0", sigma)
+        for name in ("range_sigma_m", "bearing_sigma_deg", "length_m"):
+            value = getattr(self, name)
+            require(value is None or (math.isfinite(value) and value > 0.0), f"{who}: {name}", "must be > 0", value)
         object.__setattr__(self, "bearing_deg", wrap_360(float(self.bearing_deg)))
 
 
