@@ -212,6 +212,9 @@ class AssociationModel:
     votes_at_most: int
     annealing: list[float]
     finalists: int
+    screen_targets: int
+    screen_neighbours: int
+    first_finalists: int
     neighbours: int
     clutter_share: list[float]
     detection_level: list[float]
@@ -219,6 +222,7 @@ class AssociationModel:
     clutter_neighbours: int
     clutter_floor_m: float
     use_speed: bool
+    use_length: bool
     use_missed: bool
     use_local_clutter: bool
     far_detection: float
@@ -237,13 +241,18 @@ class AssociationModel:
     hint_wrong_share: float
     compass_sigma_deg: float
     alignment_sigma_deg: float
+    warm_m: float
+    warm_deg: float
     second_group_pairs: int
     second_group_evidence: float
+    second_group_m: float
     stop_evidence: float
     stop_margin: float
     accept_probability: float
     least_margin: float
     margin_with_hint: float
+    mirror_share: float
+    mirror_below: float
     accidents: float
     rivals: float
     least_probability: float

@@ -6,15 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from navfix.association.epoch import associate
+    from navfix.association.kept_index import KeptIndex
 
-__all__ = ["associate"]
+__all__ = ["KeptIndex", "associate"]
+_HOMES = {"KeptIndex": "kept_index", "associate": "epoch"}
 
 
 def __getattr__(name: str) -> Any:
-    if name == "associate":
+    if name in _HOMES:
         import importlib
 
-        value = importlib.import_module("navfix.association.epoch").associate
+        value = getattr(importlib.import_module(f"navfix.association.{_HOMES[name]}"), name)
         globals()[name] = value
         return value
     raise AttributeError(f"module 'navfix.association' has no attribute {name!r}")

@@ -19,12 +19,13 @@ LATTICE_SPREAD = 0.2
 
 def distinct(judged: Judged, model: AssociationModel) -> Judged:
     """Keep the best of every group of poses that are the same answer (judged is sorted, best first)."""
+    same = _same(judged, judged, model)
     left = np.ones(len(judged.evidence), dtype=bool)
     kept = []
     for row in range(len(left)):
         if left[row]:
             kept.append(row)
-            left &= ~same_answer(judged, row, model)
+            left &= ~same[row]
             left[row] = False
     return judged.take(np.array(kept, dtype=np.int64))
 
@@ -36,11 +37,17 @@ def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np
 
 def same_as(judged: Judged, row: int, others: Judged, model: AssociationModel) -> NDArray[np.bool_]:
     """Tell which of the ``others`` (k,) are the same optimum as a ``row`` of ``judged``."""
-    offset = others.poses.p - judged.poses.p[row]
-    turn_rad = wrap_pi(others.poses.heading_rad - judged.poses.heading_rad[row])
+    same: NDArray[np.bool_] = _same(judged.take(np.array([row])), others, model)[0]
+    return same
+
+
+def _same(judged: Judged, others: Judged, model: AssociationModel) -> NDArray[np.bool_]:
+    """Tell for each pose of ``judged`` which of the ``others`` are the same optimum, (k, l)."""
+    offset = others.poses.p[None, :] - judged.poses.p[:, None]
+    turn_rad = wrap_pi(others.poses.heading_rad[None, :] - judged.poses.heading_rad[:, None])
     near = (np.abs(offset) <= model.distinct_m) & (np.abs(turn_rad) <= np.radians(model.distinct_deg))
-    step = np.stack([offset.real, offset.imag, turn_rad], axis=1)
-    mahalanobis_sq = np.einsum("ki,ij,kj->k", step, judged.information[row], step)
+    step = np.stack([offset.real, offset.imag, turn_rad], axis=2)
+    mahalanobis_sq = ((step @ judged.information) * step).sum(axis=2)
     same: NDArray[np.bool_] = near | (mahalanobis_sq <= model.distinct_sigma**2)
     return same
 
@@ -58,6 +65,11 @@ def probability_of_accident(evidence: float, model: AssociationModel) -> float:
 def probability_of_rival(ahead: float, model: AssociationModel) -> float:
     """Return the probability that another place is right although the best is so far ahead."""
     return min(1.0, model.rivals * math.exp(-ahead))
+
+
+def probability_of_mirror(evidence: float, mirrored: float, model: AssociationModel) -> float:
+    """Return the probability that the bearings are counted backwards, given the evidence of the mirrored echoes."""
+    return min(1.0, model.mirror_share * math.exp(min(mirrored - evidence, 50.0)))
 
 
 def probability_wrong(evidence: float, ahead: float, model: AssociationModel) -> float:

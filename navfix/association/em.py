@@ -8,13 +8,15 @@ The sigmas are annealed from wide to true.
 
 from __future__ import annotations
 
+import copy
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from navfix.association.scene import Scene
+from navfix.association.lengths import log_length_ratio
+from navfix.association.scene import ComplexArray, Scene
 from navfix.association.seeds import Poses
 from navfix.association.speeds import log_speed_ratio
 from navfix.catalog import AssociationModel
@@ -22,6 +24,8 @@ from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
 
 NOMINAL_SHARE = 0.4  # of clutter among the echoes, while the pose is sought; the evidence averages over it
+REACH_SIGMA = 7.0  # beyond it a mark is no match
+NOWHERE = 1e9 + 1e9j  # [m] where no target falls
 NOMINAL_LEVEL = 0.6  # of detection, likewise
 
 
@@ -36,16 +40,54 @@ class Field:
         self.log_speed_ratio = (
             log_speed_ratio(scene.target_speed_mps, scene.mark_speed_mps) if model.use_speed else None
         )
+        self.log_pair_ratio = self._log_pair_ratio()
+        self.range_m2 = scene.range_sigma_m**2
+        self.across_m2 = (scene.range_m * scene.bearing_sigma_rad) ** 2
+        self.z = np.append(scene.z, NOWHERE)  # and one more, for targets without a mark within reach
+        self.mark_m2 = np.append(scene.mark_sigma_m, 0.0) ** 2
+        self.conspicuity = np.append(scene.conspicuity, 0.0)
+        self.widest_m = float(np.sqrt(max(self.range_m2.max(), self.across_m2.max()) + self.mark_m2.max()))
+        self.seen = self.detection(scene.range_m, np.ones(len(scene.rho)))
 
     @cached_property
     def tree(self) -> cKDTree:
         return cKDTree(self.scene.mark_xy)
+
+    def thinned(self, targets: int, neighbours: int) -> Field:
+        """Return the field with at most so many targets, evenly over the ranges, and so many nearest marks to each."""
+        by_range = np.argsort(self.scene.range_m, kind="stable")
+        rows = np.sort(by_range[np.linspace(0, len(by_range) - 1, min(targets, len(by_range))).astype(np.int64)])
+        _ = self.tree  # one for both
+        few = copy.copy(self)
+        few.scene = self.scene.keeping(rows, slice(None))
+        few.neighbours = min(self.neighbours, neighbours)
+        for name in ("clutter_per_m2", "range_m2", "across_m2", "seen"):
+            setattr(few, name, getattr(self, name)[rows])
+        if self.log_pair_ratio is not None:
+            few.log_pair_ratio = self.log_pair_ratio[rows]
+        return few
 
     def detection(self, distance_m: FloatArray, conspicuity: FloatArray) -> FloatArray:
         """Return the detection probability at level 1: conspicuity, full to half the radar's range, then falling."""
         beyond_half = np.clip(2.0 * distance_m / self.scene.radar_range_m - 1.0, 0.0, 1.0)
         fall: FloatArray = conspicuity * (1.0 - (1.0 - self.model.far_detection) * beyond_half)
         return fall
+
+    def _log_pair_ratio(self) -> FloatArray | None:
+        """Return what speed and length say of each target and mark (m, n + 1), None where they say nothing."""
+        told = (
+            np.zeros((len(self.scene.rho), len(self.scene.z))) if self.log_speed_ratio is None else self.log_speed_ratio
+        )
+        if self.model.use_length and np.isfinite(self.scene.target_length_m).any():
+            told = told + log_length_ratio(self.scene.target_length_m, self.scene.mark_length_m)
+        return np.pad(told, ((0, 0), (0, 1))) if told.any() else None
+
+    def nearest(self, world: ComplexArray, reach_m: float = np.inf) -> IntArray:
+        """Return the nearest marks (..., q) of places (...); where fewer are within reach, the number of marks."""
+        places = np.ascontiguousarray(world).view(np.float64).reshape(-1, 2)
+        _, mark = self.tree.query(places, k=self.neighbours, distance_upper_bound=reach_m)
+        nearest: IntArray = mark.reshape(*world.shape, self.neighbours)
+        return nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +104,7 @@ class Fit:
     radial_m2: FloatArray
     tangential_m2: FloatArray
 
-    @property
+    @cached_property
     def distance_sq(self) -> FloatArray:
         """Squared Mahalanobis distance (k, m, q)."""
         return self.radial_m**2 / self.radial_m2 + self.tangential_m**2 / self.tangential_m2
@@ -73,50 +115,68 @@ class Fit:
         log_density: FloatArray = -0.5 * (self.distance_sq / widening**2 + log_det) - np.log(2.0 * np.pi)
         return log_density
 
+    def density(self, widening: float = 1.0) -> FloatArray:
+        """Return the normal density per m^2 (k, m, q), sigmas multiplied by ``widening``."""
+        density: FloatArray = np.exp((-0.5 / widening**2) * self.distance_sq)
+        density /= np.sqrt(self.radial_m2 * self.tangential_m2) * (2.0 * np.pi * widening**2)
+        return density
 
-def lay_over(field: Field, poses: Poses) -> Fit:
-    """Place the targets at every pose and measure their misfit to the nearest marks."""
+
+def lay_over(field: Field, poses: Poses, mark: IntArray | None = None, *, reach_m: float = np.inf) -> Fit:
+    """Place the targets at every pose and measure their misfit to the nearest marks, or to those given (k, m, q)."""
     scene = field.scene
     turn = np.exp(1j * poses.heading_rad)[:, None]
     world = poses.p[:, None] + turn * scene.rho[None, :]
-    _, mark = field.tree.query(np.stack([world.real, world.imag], axis=-1), k=field.neighbours)
-    mark = mark.reshape(len(poses), len(scene.rho), field.neighbours)
+    if mark is None:
+        mark = field.nearest(world, reach_m)
     axis = turn * np.exp(1j * scene.bearing_rad)[None, :]
-    misfit = (scene.z[mark] - world[:, :, None]) * np.conj(axis)[:, :, None]
-    mark_m2 = scene.mark_sigma_m[mark] ** 2
+    misfit = (field.z[mark] - world[:, :, None]) * np.conj(axis)[:, :, None]
+    mark_m2 = field.mark_m2[mark]
     return Fit(
         mark,
         misfit.real,
         misfit.imag,
-        scene.range_sigma_m[None, :, None] ** 2 + mark_m2,
-        (scene.range_m * scene.bearing_sigma_rad)[None, :, None] ** 2 + mark_m2,
+        field.range_m2[None, :, None] + mark_m2,
+        field.across_m2[None, :, None] + mark_m2,
     )
+
+
+def odds_free_ratio(field: Field, fit: Fit, widening: float = 1.0) -> tuple[FloatArray, FloatArray]:
+    """Return N_ij / lambda_i and the detection probability at level 1, each (k, m, q)."""
+    ratio = fit.density(widening) / field.clutter_per_m2[None, :, None]
+    if field.log_pair_ratio is not None:
+        ratio *= np.exp(field.log_pair_ratio[np.arange(len(field.scene.rho))[None, :, None], fit.mark])
+    return ratio, field.seen[None, :, None] * field.conspicuity[fit.mark]
 
 
 def likelihood_ratio(field: Field, fit: Fit, level: float, widening: float = 1.0) -> FloatArray:
     """Return w_ij = Pd_j / (1 - Pd_j) N_ij / lambda_i (k, m, q) at one detection level: eq. (6.4) of the theory."""
-    scene = field.scene
-    pd = level * field.detection(scene.range_m[None, :, None], scene.conspicuity[fit.mark])
-    log_density = fit.log_density(widening)
-    if field.log_speed_ratio is not None:
-        log_density += field.log_speed_ratio[np.arange(len(scene.rho))[None, :, None], fit.mark]
-    ratio: FloatArray = pd / (1.0 - pd) * np.exp(log_density) / field.clutter_per_m2[None, :, None]
+    ratio, seen = odds_free_ratio(field, fit, widening)
+    pd = level * seen
+    ratio *= pd / (1.0 - pd)
     return ratio
 
 
-def refine(field: Field, poses: Poses, finalists: int | None = None) -> tuple[Poses, FloatArray]:
+def refine(
+    field: Field, poses: Poses, finalists: int | None = None, *, quickly: bool = False
+) -> tuple[Poses, FloatArray]:
     """Run the annealed EM from every pose; return the poses and their information matrices (k, 3, 3).
 
     After the wide steps only the best ``finalists`` (default ``model.finalists``) that differ go on: the others are
-    accidents of the vote.
+    accidents of the vote. ``quickly``: the wide steps look at a part of the targets only.
     """
-    widest, rest = field.model.annealing[:2], field.model.annealing[2:]
+    model = field.model
+    widest, rest = model.annealing[:2], model.annealing[2:]
+    screen = field.thinned(model.screen_targets, model.screen_neighbours) if quickly else field
     gain = np.zeros(len(poses))
     for widening in widest:
-        poses, information, gain = em_step(field, poses, widening)
-    poses = poses.take(_finalists(poses, gain, field.model, finalists or field.model.finalists))
-    for widening in rest:
-        poses, information, _ = em_step(field, poses, widening)
+        fit = lay_over(screen, poses, reach_m=widening * REACH_SIGMA * field.widest_m)
+        poses, information, gain = em_step(screen, poses, widening, fit)
+    poses = poses.take(_finalists(poses, gain, model, finalists or model.finalists))
+    for number, widening in enumerate(rest):
+        near = fit.mark if number % 2 else None  # the nearest marks change little in one step
+        fit = lay_over(field, poses, near, reach_m=widening * REACH_SIGMA * field.widest_m)
+        poses, information, _ = em_step(field, poses, widening, fit)
     return poses, information
 
 
@@ -130,15 +190,17 @@ def _finalists(poses: Poses, gain: FloatArray, model: AssociationModel, most: in
     return order[~has_better][:most]
 
 
-def em_step(field: Field, poses: Poses, widening: float) -> tuple[Poses, FloatArray, FloatArray]:
-    """One E-step and one M-step at all poses (k).
+def em_step(
+    field: Field, poses: Poses, widening: float, fit: Fit | None = None
+) -> tuple[Poses, FloatArray, FloatArray]:
+    """One E-step and one M-step at all poses (k); ``fit``, where it is at hand, lays the targets over at these poses.
 
     Returns
     -------
     the moved poses, the information matrices (k, 3, 3) of (p, h), and the log likelihood ratio (k,) before the step
     """
     scene = field.scene
-    fit = lay_over(field, poses)
+    fit = fit or lay_over(field, poses)
     ratio = likelihood_ratio(field, fit, NOMINAL_LEVEL, widening)
     total = NOMINAL_SHARE + ratio.sum(axis=2, keepdims=True)
     responsibility = ratio / total  # M&S eq. 6

@@ -6,9 +6,11 @@ import math
 
 import numpy as np
 
-from navfix.association import ambiguity, pairs, proof, second_group, seeded, source_method
+from navfix.association import acceptance, ambiguity, pairs, proof, second_group, seeded, source_method, warm_start
 from navfix.association import scene as scenes
+from navfix.association.acceptance import FEWEST, FEWEST_WITH_HINT, Acceptance
 from navfix.association.evidence import Judged
+from navfix.association.kept_index import KeptIndex
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
 from navfix.catalog import (
@@ -23,7 +25,6 @@ from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
 
-FEWEST, FEWEST_WITH_HINT = 3, 2
 LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
@@ -33,6 +34,8 @@ def associate(
     method: str | AssociationModel | CpdModel = "seeded",
     radar: RadarModel | str = "imo",
     prove: bool = False,
+    index: KeptIndex | None = None,
+    warm: bool = False,
 ) -> Association:
     """Find which target is which mark, and with it own position and heading, from any start.
 
@@ -42,6 +45,9 @@ def associate(
     method : a name in models/association: "seeded", or "cpd" for the plain Coherent Point Drift of [2], which always
         answers
     radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
+    index : the caller's index of mark pairs, kept from call to call and brought up to date here
+    warm : with a position and a heading hint (to some 500 m and 3 deg), start from them alone; the answer is given
+        where its evidence stands without the hints, else everything is searched. AIS shifted alike is not looked for
     prove : search everywhere for other answers (seconds to a minute) before one is accepted; the notes say the result
 
     Returns
@@ -63,10 +69,16 @@ def associate(
     if isinstance(model, CpdModel):
         return _by_source_method(epoch, model, radar_model(radar))
     scene = scenes.build(epoch, radar_model(radar), model)
-    found = seeded.search(scene, model, epoch=epoch)
-    _require_agreement(found, scene, model)
+    labels = tuple(target.label for target in epoch.targets)
+    if warm and not prove:
+        near = warm_start.search(scene, model, epoch)
+        if near is not None:
+            return _association(near.found, scene, model, near.decision, labels, (near.note,), look_further=False)
+    pairs_of_marks = index.of(scene, epoch.marks) if index is not None else None
+    found = seeded.search(scene, model, epoch=epoch, index=pairs_of_marks)
+    decision = _require_agreement(found, scene, model)
     notes = _prove(found, scene, model) if prove else ()
-    return _association(found, scene, model, tuple(target.label for target in epoch.targets), notes)
+    return _association(found, scene, model, decision, labels, notes)
 
 
 def _require_enough(epoch: Epoch) -> None:
@@ -78,22 +90,27 @@ def _require_enough(epoch: Epoch) -> None:
             )
 
 
-def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> None:
-    """Raise unless the best answer has enough marks, enough evidence and enough margin."""
-    evidence, marks = float(found.answers.evidence[0]), int(found.answers.ships[0])
-    ahead = ambiguity.margin(found.answers)
-    hint = found.prior.has_hint
-    fewest, enough = (FEWEST_WITH_HINT, model.margin_with_hint) if hint else (FEWEST, model.least_margin)
-    if marks < fewest or ambiguity.probability_of_accident(evidence, model) > model.accept_probability:
+def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> Acceptance:
+    """Return the decision to answer, or raise with what speaks against it."""
+    decision = acceptance.decide(found, model)
+    enough = model.margin_with_hint if found.prior.has_hint else model.least_margin
+    if decision.reason == "accident":
         raise NoAgreement(
-            f"no place explains the echoes better than chance does: the best one matches {marks} marks, "
-            f"its evidence is {evidence:.1f}",
-            evidence=evidence,
+            f"no place explains the echoes better than chance does: the best one matches "
+            f"{int(found.answers.ships[0])} marks, its evidence is {decision.evidence:.1f}",
+            evidence=decision.evidence,
             alternatives=_alternatives(found, scene, enough),
         )
-    if ahead < enough or ambiguity.probability_wrong(evidence, ahead, model) > model.accept_probability:
-        within = max(enough, math.log(model.rivals / model.accept_probability))
-        raise _ambiguous(found.answers, scene, within)
+    if decision.reason == "mirror":
+        raise NoAgreement(
+            f"mirrored, the echoes fit the marks far better (evidence {decision.mirrored:.1f} against "
+            f"{decision.evidence:.1f}): are bearings counted anticlockwise?",
+            evidence=decision.evidence,
+            alternatives=_alternatives(found, scene, enough),
+        )
+    if decision.reason == "rival":
+        raise _ambiguous(found.answers, scene, max(enough, math.log(model.rivals / model.accept_probability)))
+    return decision
 
 
 def _prove(found: Search, scene: Scene, model: AssociationModel) -> tuple[str, ...]:
@@ -141,23 +158,27 @@ def _as_alternatives(answers: Judged, scene: Scene, rows: IntArray) -> tuple[Alt
 
 
 def _association(
-    found: Search, scene: Scene, model: AssociationModel, labels: tuple[str, ...], notes: tuple[str, ...]
+    found: Search,
+    scene: Scene,
+    model: AssociationModel,
+    decision: Acceptance,
+    labels: tuple[str, ...],
+    notes: tuple[str, ...],
+    look_further: bool = True,
 ) -> Association:
-
     answers = found.answers
     index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
-    ahead = ambiguity.margin(answers)
     return Association(
         pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
         probability=probability,
         position=position_of(scene, complex(answers.poses.p[0])),
         heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
         covariance=np.linalg.inv(answers.information[0]),
-        evidence=float(answers.evidence[0]),
-        margin=min(ahead, LARGEST_MARGIN),
-        probability_wrong=ambiguity.probability_wrong(float(answers.evidence[0]), ahead, model),
+        evidence=decision.evidence,
+        margin=min(decision.margin, LARGEST_MARGIN),
+        probability_wrong=decision.probability_wrong,
         alternatives=_alternatives(found, scene, model.least_margin)[1:],
-        second_group=_second_group(found, scene, model, index_pairs, labels),
+        second_group=_second_group(found, scene, model, index_pairs, labels) if look_further else None,
         notes=(*_notes(found), *notes),
         method=model.name,
     )

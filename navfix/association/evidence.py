@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, Field, Fit, lay_over, likelihood_ratio
+from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, REACH_SIGMA, Field, Fit, lay_over, odds_free_ratio
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
@@ -44,57 +44,112 @@ class Judged:
         )
 
 
+NEGLIGIBLE = 1e-8  # a likelihood ratio that changes no sum
+
+
+@dataclass(frozen=True, eq=False)
+class Matches:
+    """The likelihood ratios of many poses that are not negligible (e of them), in the order of poses and targets.
+
+    ``pose``, ``target``, ``mark`` (e,) indices; ``ratio`` (e,) N_ij / lambda_i; ``seen`` (e,) the detection
+    probability at level 1; ``distance_sq`` (e,) squared Mahalanobis distances.
+    """
+
+    pose: IntArray
+    target: IntArray
+    mark: IntArray
+    ratio: FloatArray
+    seen: FloatArray
+    distance_sq: FloatArray
+
+    @classmethod
+    def of(cls, field: Field, fit: Fit) -> Matches:
+        """Collect them from targets laid over marks."""
+        ratio, seen = odds_free_ratio(field, fit)
+        most = max(field.model.detection_level)
+        pose, target, near = np.nonzero(ratio > NEGLIGIBLE * (1.0 - most) / most)
+        at = (pose, target, near)
+        return cls(pose, target, fit.mark[at], ratio[at], seen[at], fit.distance_sq[at])
+
+    def at_levels(self, levels: FloatArray) -> FloatArray:
+        """Return w_ij (levels, e) of eq. (6.4)."""
+        pd = levels[:, None] * self.seen
+        ratios: FloatArray = pd / (1.0 - pd) * self.ratio
+        return ratios
+
+
 def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> Judged:
     """Weigh poses (k,) and sort them, best first."""
-    fit = lay_over(field, poses)
-    log_ratio = log_likelihood_ratio(field, poses, fit)
+    fit = lay_over(field, poses, reach_m=REACH_SIGMA * field.widest_m)
+    matches = Matches.of(field, fit)
+    log_ratio = _log_ratio(field, poses, matches)
     evidence = log_ratio + prior.log_mass(poses, information)
-    found = Judged(poses, information, log_ratio, evidence, _matched(field, fit))
+    found = Judged(poses, information, log_ratio, evidence, _matched(field, len(poses), matches))
     return found.take(np.argsort(-evidence, kind="stable"))
 
 
 def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
     """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (6.7)."""
-    model = field.model
-    share = np.array(model.clutter_share)
-    targets = len(field.scene.rho)
-    terms = []
-    for level in model.detection_level:
-        ratio = likelihood_ratio(field, fit, level)
-        missed = _log_missed(field, poses, level)
-        by_target, by_mark = _matching_bounds(ratio, fit, share, len(field.scene.z))
-        matchings = np.minimum(by_target, by_mark)
-        terms.append(matchings + missed[:, None] + targets * (1.0 - share + np.log(share))[None, :])
-    stacked = np.concatenate(terms, axis=1)
+    return _log_ratio(field, poses, Matches.of(field, fit))
+
+
+def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
+    model, scene = field.model, field.scene
+    share, levels = np.array(model.clutter_share), np.array(model.detection_level)
+    weights = matches.at_levels(levels)
+    by_target = _log_products(weights, matches.pose, matches.target, len(scene.rho), share, len(poses))
+    by_mark = _log_products(weights, matches.pose, matches.mark, len(scene.z), share, len(poses))
+    terms = np.minimum(by_target, by_mark) + _log_missed(field, poses, levels)[:, :, None]
+    terms += len(scene.rho) * (1.0 - share + np.log(share))
+    stacked = np.moveaxis(terms, 1, 0).reshape(len(poses), -1)
     top = stacked.max(axis=1)
     mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
     return mean
 
 
-def _matching_bounds(ratio: FloatArray, fit: Fit, share: FloatArray, marks: int) -> tuple[FloatArray, FloatArray]:
-    """Return two upper bounds (k, s) of ln sum over matchings of prod w_ij / c, for every clutter share (s,)."""
-    poses = len(ratio)
-    by_target = np.log1p(ratio.sum(axis=2)[:, :, None] / share).sum(axis=1)
-    flat = (np.arange(poses)[:, None, None] * marks + fit.mark).ravel()
-    claimed = np.bincount(flat, weights=ratio.ravel(), minlength=poses * marks).reshape(poses, marks)
-    by_mark = np.stack([np.log1p(claimed / s).sum(axis=1) for s in share], axis=1)
-    return by_target, by_mark
+def _log_products(
+    weights: FloatArray, pose: IntArray, member: IntArray, members: int, share: FloatArray, poses: int
+) -> FloatArray:
+    """Return ln prod over targets, or over marks, of (1 + sum of their w_ij / c) (levels, k, s).
+
+    Both bound the sum over matchings of prod w_ij / c from above, for every clutter share (s,).
+    """
+    product = np.zeros((len(weights), poses, len(share)))
+    if len(pose) == 0:
+        return product
+    key = pose * members + member
+    if np.any(key[1:] < key[:-1]):
+        order = np.argsort(key, kind="stable")
+        key, pose, weights = key[order], pose[order], weights[:, order]
+    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
+    claimed = np.add.reduceat(weights, first, axis=1)
+    factor = np.log1p(claimed[:, :, None] / share)
+    owner = pose[first]
+    begin = np.flatnonzero(np.concatenate([[True], owner[1:] != owner[:-1]]))
+    product[:, owner[begin]] = np.add.reduceat(factor, begin, axis=1)
+    return product
 
 
-def _log_missed(field: Field, poses: Poses, level: float) -> FloatArray:
-    """Return sum of ln(1 - Pd_j) (k,) over the marks in radar range: one without an echo speaks against a pose."""
-    if not field.model.use_missed:
-        return np.zeros(len(poses))
+def _log_missed(field: Field, poses: Poses, levels: FloatArray) -> FloatArray:
+    """Return sum of ln(1 - Pd_j) (levels, k) over the marks in radar range: one without an echo speaks against it."""
     scene = field.scene
+    missed = np.zeros((len(levels), len(poses)))
+    if not field.model.use_missed:
+        return missed
     distance_m = np.abs(scene.z[None, :] - poses.p[:, None])
-    pd = level * field.detection(distance_m, scene.conspicuity[None, :])
-    missed: FloatArray = np.where(distance_m <= scene.radar_range_m, np.log1p(-pd), 0.0).sum(axis=1)
+    pose, mark = np.nonzero(distance_m <= scene.radar_range_m)
+    if len(pose):
+        pd = field.detection(distance_m[pose, mark], scene.conspicuity[mark])
+        begin = np.flatnonzero(np.concatenate([[True], pose[1:] != pose[:-1]]))
+        missed[:, pose[begin]] = np.add.reduceat(np.log1p(-levels[:, None] * pd), begin, axis=1)
     return missed
 
 
-def _matched(field: Field, fit: Fit) -> FloatArray:
+def _matched(field: Field, poses: int, matches: Matches) -> FloatArray:
     """Return how many distinct marks (k,) some target is more likely to be than clutter."""
-    ratio = likelihood_ratio(field, fit, NOMINAL_LEVEL)
-    posterior = ratio / (NOMINAL_SHARE + ratio.sum(axis=2, keepdims=True))
-    taken = (posterior > 0.5) & (fit.distance_sq < 11.8)
-    return np.array([len(np.unique(mark[row])) for mark, row in zip(fit.mark, taken, strict=True)], dtype=np.float64)
+    ratio = matches.at_levels(np.array([NOMINAL_LEVEL]))[0]
+    by_target = matches.pose * len(field.scene.rho) + matches.target
+    total = NOMINAL_SHARE + np.bincount(by_target, weights=ratio, minlength=1)[by_target]
+    taken = (ratio > 0.5 * total) & (matches.distance_sq < 11.8)
+    distinct = np.unique(matches.pose[taken] * len(field.scene.z) + matches.mark[taken])
+    return np.bincount(distinct // len(field.scene.z), minlength=poses).astype(np.float64)

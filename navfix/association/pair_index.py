@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from navfix.association.scene import ComplexArray
-from navfix.types import FloatArray
+from navfix.types import FloatArray, IntArray
+
+BIN_M = 20.0
 
 
 @dataclass(frozen=True, eq=False)
 class PairIndex:
-    """Pairs of marks by distance: ``distance_m`` (k,) ascending; ``first`` and ``second`` (k,) are mark indices."""
+    """Pairs of marks by distance: ``distance_m`` (k,) ascending; ``first`` and ``second`` (k,) are mark indices.
+
+    An index that was kept while marks moved has ``slack_m`` > 0: no distance has changed by more. Its ``first`` and
+    ``second`` then count places in ``row``, which holds the mark's index today, -1 where it has gone.
+    """
 
     distance_m: NDArray[np.float32]
     first: NDArray[np.int32]
     second: NDArray[np.int32]
+    slack_m: float = 0.0
+    row: IntArray | None = None
 
     @classmethod
     def of(cls, z: ComplexArray, longest_m: float) -> PairIndex:
@@ -27,8 +36,28 @@ class PairIndex:
         order = np.argsort(distance_m, kind="stable")
         return cls(distance_m[order], first[order], second[order])
 
+    @cached_property
+    def _shorter(self) -> NDArray[np.int64]:
+        """How many pairs are closer than each whole number of `BIN_M`."""
+        longest = float(self.distance_m[-1]) if len(self.distance_m) else 0.0
+        edges = np.arange(int(longest / BIN_M) + 2, dtype=np.float32) * np.float32(BIN_M)
+        return np.searchsorted(self.distance_m, edges)
+
+    def about_how_many(self, distance_m: FloatArray, half_width_m: FloatArray) -> NDArray[np.int64]:
+        """Return how many pairs (k,) are within ``half_width_m`` of ``distance_m``, rounded up to whole bins."""
+        last = len(self._shorter) - 1
+        low = np.clip((distance_m - half_width_m) / BIN_M, 0, last).astype(np.int64)
+        high = np.clip((distance_m + half_width_m) / BIN_M + 1.0, 0, last).astype(np.int64)
+        return self._shorter[high] - self._shorter[low]
+
+    def marks_of(self, entry: IntArray) -> tuple[NDArray[np.signedinteger], NDArray[np.signedinteger]]:
+        """Return both marks (k,) of pairs ``entry`` (k,) by their index today, -1 where one has gone."""
+        first, second = self.first[entry], self.second[entry]
+        return (first, second) if self.row is None else (self.row[first], self.row[second])
+
     def window(self, distance_m: FloatArray, half_width_m: FloatArray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return begin and end of the pairs whose distance is within ``half_width_m`` of ``distance_m``, each (k,)."""
+        half_width_m = half_width_m + self.slack_m
         low = np.searchsorted(self.distance_m, (distance_m - half_width_m).astype(np.float32), side="left")
         high = np.searchsorted(self.distance_m, (distance_m + half_width_m).astype(np.float32), side="right")
         return low, high

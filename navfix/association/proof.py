@@ -130,8 +130,8 @@ class _Grid:
         scene = self.field.scene
         sigma_m = float(scene.mark_sigma_m.min())
         area = np.hypot(scene.range_sigma_m, sigma_m) * np.hypot(scene.range_m * scene.bearing_sigma_rad, sigma_m)
-        speed = 0.0 if self.field.log_speed_ratio is None else self.field.log_speed_ratio.max(axis=1)
-        peaks: FloatArray = np.exp(speed) / (2.0 * np.pi * area * self.field.clutter_per_m2)
+        told = 0.0 if self.field.log_pair_ratio is None else self.field.log_pair_ratio.max(axis=1)
+        peaks: FloatArray = np.exp(told) / (2.0 * np.pi * area * self.field.clutter_per_m2)
         return peaks
 
     def _within_reach(self, places: NDArray[np.complex128], target: int) -> tuple[IntArray, FloatArray]:

@@ -27,9 +27,10 @@ BY_TARGET = (
     "range_sigma_m",
     "bearing_sigma_rad",
     "target_speed_mps",
+    "target_length_m",
     "target_index",
 )
-BY_MARK = ("z", "mark_sigma_m", "conspicuity", "mark_speed_mps", "mark_index")
+BY_MARK = ("z", "mark_sigma_m", "conspicuity", "mark_speed_mps", "mark_length_m", "mark_index")
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +43,7 @@ class Scene:
     rho (m,) : complex targets [m]; ``range_m``, ``bearing_rad``, ``range_sigma_m``, ``bearing_sigma_rad`` (m,)
     z (n,) : complex marks [m]; ``mark_sigma_m`` (n,) per axis; ``conspicuity`` (n,) 0 .. 1
     target_speed_mps (m,), mark_speed_mps (n,) : over ground, NaN where not known
+    target_length_m (m,), mark_length_m (n,) : of echo and ship, NaN where not known
     reference : "relative" or "true": what the bearings count from
     target_index (m,), mark_index (n,) : places in the epoch's tuples
     """
@@ -57,6 +59,8 @@ class Scene:
     conspicuity: FloatArray
     target_speed_mps: FloatArray
     mark_speed_mps: FloatArray
+    target_length_m: FloatArray
+    mark_length_m: FloatArray
     reference: str
     target_index: IntArray
     mark_index: IntArray
@@ -71,7 +75,7 @@ class Scene:
         """Marks as (n, 2) for the KD-tree."""
         return np.column_stack([self.z.real, self.z.imag])
 
-    def keeping(self, targets: IntArray, marks: IntArray) -> Scene:
+    def keeping(self, targets: IntArray | slice, marks: IntArray | slice) -> Scene:
         """Return the scene with only these ``targets`` and ``marks`` (indices of this scene)."""
         return replace(
             self,
@@ -109,6 +113,8 @@ def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
         conspicuity=np.array([conspicuity(m, model) for m in epoch.marks]),
         target_speed_mps=np.array([_speed(t) for t in targets]),
         mark_speed_mps=np.array([_speed(m) for m in epoch.marks]),
+        target_length_m=np.array([t.length_m or np.nan for t in targets]),
+        mark_length_m=np.array([m.hull.length_m or np.nan if m.hull else np.nan for m in epoch.marks]),
         reference=reference,
         target_index=np.array(chosen, dtype=np.int64),
         mark_index=np.arange(len(epoch.marks)),

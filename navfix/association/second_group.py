@@ -7,14 +7,17 @@ their own marks, and the larger group wins.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from navfix.association import em, evidence, prior
 from navfix.association.pair_index import PairIndex
 from navfix.association.pairs import one_to_one
 from navfix.association.prior import Prior
+from navfix.association.scene import Scene
 from navfix.association.seeded import Search
-from navfix.association.seeds import radar_pairs, seeds
+from navfix.association.seeds import Poses, radar_pairs, seeds
 from navfix.catalog import AssociationModel
 from navfix.types import IntArray
 
@@ -45,13 +48,26 @@ def find(found: Search, model: AssociationModel, matched: IntArray) -> tuple[com
     )
     voting = radar_pairs(rest, index, model).take(slice(0, model.pairs_per_stage[2]))
     starts = seeds(rest, index, voting, model, model.seeds, same_heading.plausible)
-    starts = starts.take(same_heading.plausible(starts))
+    starts = Poses.join(starts.take(same_heading.plausible(starts)), _by_shift(rest, best.poses, model))
     if len(starts) == 0:
         return None
-    second = evidence.judge(field, *em.refine(field, starts), same_heading)
+    nearby = replace(same_heading, place=complex(best.poses.p[0]), place_sigma_m=model.second_group_m)
+    second = evidence.judge(field, *em.refine(field, starts), nearby)
     shift = complex(second.poses.p[0] - best.poses.p[0])
     agrees = second.evidence[0] >= model.second_group_evidence and second.ships[0] >= model.second_group_pairs
     if not agrees or abs(shift) < model.distinct_m:
         return None
     pairs, _ = one_to_one(field, second.poses.take(np.zeros(1, dtype=np.int64)))
     return shift, targets[pairs[:, 0]]
+
+
+def _by_shift(scene: Scene, pose: Poses, model: AssociationModel) -> Poses:
+    """Return the poses that differ from the one at hand by a shift on which most targets and marks agree."""
+    heading_rad = float(pose.heading_rad[0])
+    world = pose.p[0] + np.exp(1j * heading_rad) * scene.rho
+    shift = (scene.z[None, :] - world[:, None]).ravel()
+    shift = shift[np.abs(shift) <= 4.0 * model.second_group_m]
+    near = np.abs(shift[:, None] - shift[None, :]) <= model.cell_m
+    fullest = np.argsort(-near.sum(axis=1), kind="stable")[: model.seeds]
+    middle = (near[fullest] @ shift) / near[fullest].sum(axis=1)
+    return Poses(pose.p[0] + middle, np.full(len(middle), heading_rad))

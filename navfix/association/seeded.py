@@ -24,6 +24,7 @@ class Search:
     prior: Prior
     answers: Judged
     pairs_tried: int
+    index: PairIndex
 
 
 def search(
@@ -31,12 +32,20 @@ def search(
 ) -> Search:
     """Find every pose that explains the scene, best first.
 
-    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells, from
-    many more of them after the first stage. The hints of the ``epoch``, where it has any, are weighed in the evidence.
+    The hints of the ``epoch``, where it has any, are weighed in the evidence; ``index`` is that of the scene's marks.
     """
     index = index or PairIndex.of(scene.z, 2.0 * scene.radar_range_m)
     field = em.Field(scene, model)
-    known = prior.of(epoch, scene, field, model)
+    return search_field(field, prior.of(epoch, scene, field, model), index)
+
+
+def search_field(field: em.Field, known: Prior, index: PairIndex) -> Search:
+    """Search as `search` does, with field, prior and index at hand.
+
+    Radar pairs vote in growing stages until one answer stands far ahead; the EM starts from the fullest cells, from
+    many more of them after the first stage.
+    """
+    scene, model = field.scene, field.model
     pairs = seeds.radar_pairs(scene, index, model)
     found: Judged | None = None
     tried = 0
@@ -49,7 +58,8 @@ def search(
             starts = Poses.join(found.poses.take(np.arange(min(5, len(found.poses)))), starts)
         if len(starts) == 0:
             break
-        poses, information = em.refine(field, starts, finalists=max(model.finalists, most // 3))
+        most_final = model.first_finalists if number == 0 else max(model.finalists, most // 3)
+        poses, information = em.refine(field, starts, most_final, quickly=number == 0)
         found = ambiguity.distinct(evidence.judge(field, poses, information, known), model)
         tried = len(voting.first)
         certain = found.evidence[0] > model.stop_evidence and ambiguity.margin(found) > model.stop_margin
@@ -57,7 +67,7 @@ def search(
             break
     if found is None:
         found = _nothing(field, known)
-    return Search(field, known, found, tried)
+    return Search(field, known, found, tried, index)
 
 
 def deep_seeds(scene: Scene, model: AssociationModel) -> int:

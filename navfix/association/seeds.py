@@ -71,9 +71,9 @@ def radar_pairs(scene: Scene, index: PairIndex, model: AssociationModel) -> Rada
     mark_m2 = 2.0 * float(np.median(scene.mark_sigma_m)) ** 2
     distance_sigma_m = np.sqrt(along_m2 + mark_m2)
     direction_sigma_rad = np.sqrt(across_m2 + mark_m2) / np.maximum(distance_m, 1.0)
-    low, high = index.window(distance_m, model.pair_gate_sigma * distance_sigma_m)
-    usable = (distance_m > 0.0) & (direction_sigma_rad < 0.35) & (high > low)
-    cost = (high - low + 1.0) * np.maximum(direction_sigma_rad, 0.25 * np.radians(model.cell_deg))
+    alike = index.about_how_many(distance_m, model.pair_gate_sigma * distance_sigma_m)
+    usable = (distance_m > 0.0) & (direction_sigma_rad < 0.35) & (alike > 0)
+    cost = (alike + 1.0) * np.maximum(direction_sigma_rad, 0.25 * np.radians(model.cell_deg))
     order = _spread(
         i, j, np.argsort(np.where(usable, cost, np.inf), kind="stable")[: int(usable.sum())], len(scene.rho)
     )
@@ -111,7 +111,13 @@ def votes(
     low, count = low[allowed], count[allowed]
     pair = np.repeat(np.arange(len(count)), count)
     entry = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)
-    z_a, z_b = scene.z[index.first[entry]], scene.z[index.second[entry]]
+    first, second = index.marks_of(entry)
+    z_a, z_b = scene.z[first], scene.z[second]
+    if index.row is not None:  # distances as they are today
+        gate_m = (model.pair_gate_sigma * pairs.distance_sigma_m)[pair]
+        same = (np.abs(np.abs(z_b - z_a) - pairs.distance_m[pair]) <= gate_m) & (first >= 0) & (second >= 0)
+        same &= first != second
+        pair, z_a, z_b = pair[same], z_a[same], z_b[same]
     rho_i, rho_j = scene.rho[pairs.first[: len(count)]], scene.rho[pairs.second[: len(count)]]
     turn = (z_b - z_a) * np.conj((rho_j - rho_i) / np.abs(rho_j - rho_i) ** 2)[pair]
     turn /= np.abs(turn)
@@ -132,13 +138,13 @@ def _variance_along(scene: Scene, target: IntArray, direction: ComplexArray) -> 
 def _spread(i: IntArray, j: IntArray, order: IntArray, targets: int) -> IntArray:
     """Reorder so that every leading part uses each target about equally often: one wrong target must not fill it."""
     ends = np.stack([i[order], j[order]], axis=1).ravel()
-    by_target = np.argsort(ends, kind="stable")
+    by_target = np.argsort(ends.astype(np.int16), kind="stable")  # short integers: a radix sort
     first = np.searchsorted(ends[by_target], np.arange(targets))
     taken = np.empty(len(ends), dtype=np.int64)  # how often a target was used before
     taken[by_target] = np.arange(len(ends)) - first[ends[by_target]]
     rounds = taken.reshape(-1, 2).max(axis=1)
     per_round = max(2.0, 2.6 * 50 / max(targets, 1))
-    return order[np.argsort(rounds // per_round, kind="stable")]
+    return order[np.argsort((rounds // per_round).astype(np.int16), kind="stable")]
 
 
 def _fullest_cells(voted: Poses, model: AssociationModel, most: int, shift: float) -> Poses:
@@ -147,12 +153,16 @@ def _fullest_cells(voted: Poses, model: AssociationModel, most: int, shift: floa
     if len(p) == 0:
         return voted
     headings = round(360.0 / model.cell_deg)
-    north = np.floor(p.real / model.cell_m + shift).astype(np.int64)
-    east = np.floor(p.imag / model.cell_m + shift).astype(np.int64)
-    turn = np.floor(heading_rad * (headings / (2.0 * np.pi)) + shift).astype(np.int64) % headings
+    north = _cells(p.real, 1.0 / model.cell_m, shift)
+    east = _cells(p.imag, 1.0 / model.cell_m, shift)
+    turn = _cells(heading_rad, headings / (2.0 * np.pi), shift)
+    turn += np.where(turn < 0, headings, 0).astype(np.int32)
     bits = int(np.clip(np.ceil(np.log2(4 * len(p))), 10, 21))
-    key = (north * 73856093 ^ east * 19349663 ^ turn * 83492791) & 0x7FFFFFFFFFFF
-    bucket = (key ^ (key >> bits)) & ((1 << bits) - 1)
+    key = _unsigned(north) * np.uint32(73856093)
+    key ^= _unsigned(east) * np.uint32(19349663)
+    key ^= _unsigned(turn) * np.uint32(83492791)
+    key ^= key >> np.uint32(bits)
+    bucket = (key & np.uint32((1 << bits) - 1)).astype(np.int64)
     count = np.bincount(bucket, minlength=1 << bits)
     best = np.flatnonzero(count >= _count_of_the_fullest(count, most))
     rank = np.full(1 << bits, -1, dtype=np.int32)
@@ -162,14 +172,27 @@ def _fullest_cells(voted: Poses, model: AssociationModel, most: int, shift: floa
     return _cell_means(p[member], heading_rad[member], rank[bucket[member]], cells, most)
 
 
+def _cells(value: FloatArray, per_unit: float, shift: float) -> NDArray[np.int32]:
+    """Return the number of the cell of each value; float32 is enough for a vote."""
+    scaled = value.astype(np.float32)
+    scaled *= np.float32(per_unit)
+    scaled += np.float32(shift)
+    return np.floor(scaled, out=scaled).astype(np.int32)
+
+
+def _unsigned(cell: NDArray[np.int32]) -> NDArray[np.uint32]:
+    return cell.view(np.uint32)
+
+
 def _count_of_the_fullest(count: IntArray, wanted: int) -> int:
     """Return the least count among the ``wanted`` fullest cells, at least 1."""
-    cells_with = np.bincount(count)
-    cells_at_least = np.cumsum(cells_with[::-1])[::-1]
-    return max(1, int(np.flatnonzero(cells_at_least >= wanted).max(initial=1)))
+    several = count[count > 1]
+    return int(np.partition(several, -wanted)[-wanted]) if len(several) >= wanted else 1
 
 
-def _cell_means(p: ComplexArray, heading_rad: FloatArray, bucket: IntArray, cell: IntArray, most: int) -> Poses:
+def _cell_means(
+    p: ComplexArray, heading_rad: FloatArray, bucket: NDArray[np.int32], cell: NDArray[np.int32], most: int
+) -> Poses:
     """Return the mean pose of each true cell among the members of the fullest buckets (two cells may share one)."""
     order = np.lexsort((cell[2], cell[1], cell[0], bucket))
     steps = np.any(np.diff(np.vstack([bucket, cell])[:, order], axis=1) != 0, axis=0)

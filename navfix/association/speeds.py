@@ -23,12 +23,21 @@ def log_speed_ratio(target_mps: FloatArray, mark_mps: FloatArray) -> FloatArray:
     ----------
     target_mps, mark_mps : speeds over ground (m,) and (n,), NaN where unknown: such pairs get 0
     """
-    ratio = np.zeros((len(target_mps), len(mark_mps)))
-    told, known = np.isfinite(target_mps), np.isfinite(mark_mps)
+    return ratio_to_the_picture(target_mps, mark_mps, _SHARES, _SIGMAS_MPS)
+
+
+def ratio_to_the_picture(target: FloatArray, mark: FloatArray, shares: FloatArray, sigmas: FloatArray) -> FloatArray:
+    """Return ln of the density of target - mark over that of the value among all marks or targets (m, n), 0 for NaN.
+
+    The difference is a mixture of normal distributions about zero, with heavy tails so that no pair is impossible; of
+    the densities among the marks and among the other targets the larger counts.
+    """
+    ratio = np.zeros((len(target), len(mark)))
+    told, known = np.isfinite(target), np.isfinite(mark)
     if told.sum() < 2 or known.sum() < 2:
         return ratio
-    among_marks = _density(target_mps[told][:, None] - mark_mps[known][None, :])
-    among_targets = _density(target_mps[told][:, None] - target_mps[told][None, :])
+    among_marks = _density(target[told][:, None] - mark[known][None, :], shares, sigmas)
+    among_targets = _density(target[told][:, None] - target[told][None, :], shares, sigmas)
     np.fill_diagonal(among_targets, 0.0)
     common = np.maximum(among_marks.mean(axis=1), among_targets.sum(axis=1) / (told.sum() - 1))
     gain = np.minimum(np.log(among_marks) - np.log(common)[:, None], _LARGEST_GAIN)
@@ -36,8 +45,7 @@ def log_speed_ratio(target_mps: FloatArray, mark_mps: FloatArray) -> FloatArray:
     return ratio
 
 
-def _density(difference_mps: FloatArray) -> FloatArray:
-    """Return the density of a difference of speeds [s/m]: a mixture with heavy tails, so that no pair is impossible."""
-    scaled = difference_mps[..., None] / _SIGMAS_MPS
-    density: FloatArray = (_SHARES / (np.sqrt(2.0 * np.pi) * _SIGMAS_MPS) * np.exp(-0.5 * scaled**2)).sum(axis=-1)
+def _density(difference: FloatArray, shares: FloatArray, sigmas: FloatArray) -> FloatArray:
+    scaled = difference[..., None] / sigmas
+    density: FloatArray = (shares / (np.sqrt(2.0 * np.pi) * sigmas) * np.exp(-0.5 * scaled**2)).sum(axis=-1)
     return density

@@ -15,7 +15,7 @@ from navfix.report.answer import Answer
 from navfix.types import Ellipse, Fix, Position
 
 TALKER = "IN"  # integrated navigation; some readers pass over other talkers
-_SAFE_PROBABILITY_WRONG = 1e-5
+_SAFE_PROBABILITY_WRONG = 4e-4  # just above the least that the association states
 _ONE_SIGMA = -math.expm1(-0.5)  # the probability that an ellipse of radius 1 holds in two dimensions
 _RMC_TIME, _RMC_DATE, _GST_TIME = 1, 9, 1
 

@@ -23,7 +23,6 @@ _LABEL = 16
 _LISTED = 10  # places and targets listed in full before the rest is only counted
 _GNSS_WORDS = {"ok": "OK", "caution": "CAUTION", "unsafe": "UNSAFE", "not_available": "NOT AVAILABLE"}
 _RECKONED_BY = {"log_and_gyro": "log and gyro", "log": "log along the last heading", "last_velocity": "last velocity"}
-VOUCHED_FOR = 1e-6  # the association states no smaller probability: its calibration cannot show one
 
 
 def report_text(answer: Answer) -> str:
@@ -111,8 +110,6 @@ def _certainty(fix: Fix) -> Iterator[str]:
     if found is not None and found.probability_wrong is not None:
         margin = "" if found.margin is None else f" (evidence {found.evidence or 0.0:.1f}, margin {found.margin:.1f})"
         odds = words.odds(found.probability_wrong)
-        if found.probability_wrong <= VOUCHED_FOR:
-            odds = odds.replace("about", "at most")
         yield from _entry("How sure", f"{odds} that this is another place{margin}")
     elif found is not None and found.method == "by_hand":
         yield from _entry("How sure", "the pairs were given by hand: another place was not looked for")

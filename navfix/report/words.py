@@ -66,20 +66,25 @@ def short_distance(metres: float) -> str:
 
 
 def odds(probability: float) -> str:
-    """Return a probability in words: 2e-6 is "about 2 in a million"."""
+    """Return a probability as the limit in words that it is: 2e-6 is "at most 2 in a million"; rounded up."""
     if not probability > 0.0 or probability < 1e-12:
         return "less than 1 in a million million"
-    for limit, scale, words in ((1e-9, 1e12, "a million million"), (1e-6, 1e9, "a billion"), (1e-3, 1e6, "a million")):
+    for limit, scale, words in (
+        (1e-9, 1e12, "a million million"),
+        (1e-6, 1e9, "a billion"),
+        (1e-4, 1e6, "a million"),
+        (1e-3, 1e4, "ten thousand"),
+        (1e-2, 1e3, "a thousand"),
+    ):
         if probability < limit:
-            return f"about {_one_or_two_digits(probability * scale)} in {words}"
-    if probability < 0.01:
-        return f"about {_one_or_two_digits(probability * 1e3)} in a thousand"
-    return f"about {min(_one_or_two_digits(probability * 100.0), 99)} in a hundred"
+            return f"at most {_one_or_two_digits_up(probability * scale)} in {words}"
+    return f"at most {min(_one_or_two_digits_up(probability * 100.0), 99)} in a hundred"
 
 
-def _one_or_two_digits(value: float) -> int:
+def _one_or_two_digits_up(value: float) -> int:
     digits = max(0, math.floor(math.log10(value)) - 1)
-    return max(1, int(round(value / 10**digits) * 10**digits))
+    step = int(10**digits)
+    return max(1, math.ceil(value / step - 1e-6) * step)
 
 
 def utc(time_utc: datetime | None) -> str:

@@ -8,14 +8,17 @@ alike, and noise that is larger than the model says, can be mixed in.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from navfix.geodesy import LocalPlane
-from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarget
+from navfix.types import Epoch, FloatArray, Hull, IntArray, Mark, Position, RadarTarget
 from navfix.units import NM_M
+
+Crowding = Callable[[NDArray[np.complex128]], FloatArray]  # marks per m^2 at places of any shape
 
 LAYOUTS = ("uniform", "anchorages", "lanes", "channel")
 
@@ -28,7 +31,8 @@ class SceneRecipe:
     AIS stations in the disc of ``ais_nm``, of which the share ``false_ais`` is elsewhere than it says (by 200 .. 3000 m
     one by one; with ``coherent_m`` > 0 all by that one vector). Sigmas are 1 sigma; range sigma is the larger of metres
     and fraction. The noise drawn is ``noise_misfit`` times what the scene states; every mark is ``mark_offset_m`` off
-    in a direction of its own.
+    in a direction of its own. With ``lengths`` every mark is a ship of known length and the radar tells how long its
+    echoes are.
     """
 
     targets: int
@@ -46,6 +50,7 @@ class SceneRecipe:
     noise_misfit: float = 1.0
     range_bias_m: float = 0.0
     mark_offset_m: float = 0.0
+    lengths: bool = False
     centre: Position = Position(54.2, 7.6)  # noqa: RUF009 (a frozen record)
 
 
@@ -59,6 +64,7 @@ class MadeScene:
     pairs: IntArray
     crlb: FloatArray | None
     predicted_evidence: float
+    predicted_if_uniform: float
 
 
 def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScene:
@@ -67,7 +73,7 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
     radar_m, ais_m = recipe.radar_nm * NM_M, recipe.ais_nm * NM_M
     heading_rad = random.uniform(0.0, 2.0 * math.pi)
     own = _in_disc(random, 1, max(ais_m - radar_m, 0.0) + 1.0)[0]
-    truth = _lay_out(random, recipe, ais_m)
+    truth, crowding = _lay_out(random, recipe, ais_m)
     stated, false = _state_positions(random, recipe, truth)
     visible = np.flatnonzero(np.abs(truth - own) < 0.98 * radar_m)
     wanted = min(recipe.targets - round(recipe.clutter * recipe.targets), len(visible))
@@ -98,13 +104,18 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
     right = np.array([i for i, j in enumerate(mark_of) if j >= 0 and not false[j]], dtype=np.int64)
     pairs = np.column_stack([right, mark_of[right]]).astype(np.int64)
     information = _information(polar[right] * np.exp(1j * heading_rad), sigma_m[right], sigma_rad, recipe.mark_sigma_m)
+    if recipe.lengths:
+        epoch = _with_lengths(epoch, mark_of, random)
+    turned, scattered = polar[right] * np.exp(1j * heading_rad), (sigma_m[right], sigma_rad)
+    uniform = predicted_evidence(recipe, polar[right], *scattered, information, len(echoes), len(visible))
     return MadeScene(
         epoch,
         plane.to_position(own.real, own.imag),
         math.degrees(heading_rad),
         pairs,
         np.linalg.inv(information).astype(np.float64) if len(right) >= 2 else None,
-        predicted_evidence(recipe, polar[right], sigma_m[right], sigma_rad, information, len(echoes), len(visible)),
+        uniform - log_crowding(recipe, turned, own, crowding, len(visible)),
+        uniform,
     )
 
 
@@ -117,10 +128,11 @@ def predicted_evidence(
     targets: int,
     visible: int,
 ) -> float:
-    """Return the evidence (nats) that right matches must reach over chance in a scene; above 5 it can be determined.
+    """Return the evidence (nats) that right matches must reach over chance among marks that lie anywhere alike.
 
     Sum over the right pairs of [ln 1/(rho 2 pi s_r s_t) - 1], less the entropy of which targets are matched, less the
-    logarithm of searched volume over posterior volume; rho is the density of marks within radar range.
+    logarithm of searched volume over posterior volume; rho is the density of marks within radar range: eq. (6.10) of
+    the theory without its last term.
     """
     matches = len(matched)
     if matches < 2 or visible == 0:
@@ -131,9 +143,42 @@ def predicted_evidence(
     gain = float(np.sum(-np.log(density * 2.0 * math.pi * radial * tangential) - 1.0))
     share = matches / targets
     entropy = 0.0 if share >= 1.0 else -share * math.log(share) - (1.0 - share) * math.log(1.0 - share)
-    searched = math.log(math.pi * ((recipe.ais_nm + recipe.radar_nm) * NM_M) ** 2 * 2.0 * math.pi)
     posterior = 1.5 * math.log(2.0 * math.pi) - 0.5 * float(np.linalg.slogdet(information)[1])
-    return gain - targets * entropy - (searched - posterior)
+    return gain - targets * entropy - (math.log(_searched_volume(recipe)) - posterior)
+
+
+def log_crowding(
+    recipe: SceneRecipe, relative: NDArray[np.complex128], own: complex, crowding: Crowding | None, visible: int
+) -> float:
+    """Return by how many nats marks that crowd make chance agreement likelier: the last term of eq. (6.10).
+
+    ``relative`` (k,) right matches about own ship, turned north; ``crowding`` gives the layout's marks per m^2 at any
+    place, None where they lie anywhere alike. The mean over all poses of prod max(1, rho(w_i) / mean rho) is taken by
+    importance sampling, with normal distributions of growing width about the true pose beside the whole volume: where
+    crowds lie on crowds and lanes on lanes, the product is large.
+    """
+    if crowding is None or len(relative) < 2 or visible == 0:
+        return 0.0
+    random, reach_m = np.random.default_rng(0), recipe.radar_nm * NM_M
+    widths_m = reach_m * 0.5 ** np.arange(7)
+    step_m = widths_m[:, None] * (random.normal(size=(7, 200)) + 1j * random.normal(size=(7, 200)))
+    turn_rad = widths_m[:, None] / reach_m * random.normal(size=(7, 200))
+    anywhere = _in_disc(random, 400, (recipe.ais_nm + recipe.radar_nm) * NM_M)
+    p = np.concatenate([own + step_m.ravel(), anywhere])
+    turn = np.concatenate([turn_rad.ravel(), random.uniform(-math.pi, math.pi, size=400)])
+    volume = _searched_volume(recipe)
+    off = np.abs(p - own)[:, None] ** 2 / widths_m**2 + (turn[:, None] * reach_m / widths_m) ** 2
+    drawn = np.exp(-0.5 * off) / ((2.0 * math.pi) ** 1.5 * widths_m**3 / reach_m)
+    drawn_per_volume = (200.0 * drawn.sum(axis=1) + 400.0 / volume) * volume
+    world = p[:, None] + np.exp(1j * turn)[:, None] * relative[None, :]
+    mean_per_m2 = visible / (math.pi * reach_m**2)
+    log_product = np.log(np.maximum(crowding(world) / mean_per_m2, 1.0)).sum(axis=1)
+    return max(0.0, float(np.logaddexp.reduce(log_product - np.log(drawn_per_volume))))
+
+
+def _searched_volume(recipe: SceneRecipe) -> float:
+    """Return places x headings [m^2 rad] that own ship may have."""
+    return math.pi * ((recipe.ais_nm + recipe.radar_nm) * NM_M) ** 2 * 2.0 * math.pi
 
 
 def _in_disc(random: np.random.Generator, count: int, radius_m: float) -> NDArray[np.complex128]:
@@ -141,27 +186,62 @@ def _in_disc(random: np.random.Generator, count: int, radius_m: float) -> NDArra
     return np.asarray(radius * np.exp(2j * math.pi * random.uniform(size=count)), dtype=np.complex128)
 
 
-def _lay_out(random: np.random.Generator, recipe: SceneRecipe, radius_m: float) -> NDArray[np.complex128]:
-    """Return true places (n,) of the marks about the centre."""
-    count = recipe.marks
+def _lay_out(
+    random: np.random.Generator, recipe: SceneRecipe, radius_m: float
+) -> tuple[NDArray[np.complex128], Crowding | None]:
+    """Return true places (n,) of the marks about the centre, and their density anywhere (None where uniform)."""
     if recipe.layout == "uniform":
-        return _in_disc(random, count, radius_m)
+        return _in_disc(random, recipe.marks, radius_m), None
     if recipe.layout == "anchorages":
-        centres = _in_disc(random, max(2, count // 20), 0.8 * radius_m)
-        scatter = 900.0 * (random.normal(size=count) + 1j * random.normal(size=count))
-        clustered = centres[random.integers(len(centres), size=count)] + scatter
-        return np.where(random.uniform(size=count) < 0.6, clustered, _in_disc(random, count, radius_m))
+        return _anchorages(random, recipe.marks, radius_m)
     if recipe.layout == "lanes":
-        along = random.uniform(-radius_m, radius_m, size=count)
-        across = 600.0 * random.normal(size=count) + np.where(random.uniform(size=count) < 0.5, 1500.0, -1500.0)
-        turn = np.exp(1j * random.uniform(0.0, math.pi))
-        return np.asarray((along + 1j * across) * turn)
+        return _lanes(random, recipe.marks, radius_m)
     if recipe.layout == "channel":
-        place = np.arange(count)
-        spacing_m = NM_M
-        row = (place // 2 - (count // 2 - 1) / 2.0) * spacing_m + 1j * np.where(place % 2 == 0, 150.0, -150.0)
-        return np.asarray(row * np.exp(1j * random.uniform(0.0, math.pi)))
+        return _channel(random, recipe.marks)
     raise ValueError(f"layout must be one of {', '.join(LAYOUTS)}, got {recipe.layout!r}")
+
+
+def _anchorages(random: np.random.Generator, count: int, radius_m: float) -> tuple[NDArray[np.complex128], Crowding]:
+    """Six marks in ten crowd about anchorages, one for twenty marks; the others lie anywhere."""
+    centres = _in_disc(random, max(2, count // 20), 0.8 * radius_m)
+    scatter = 900.0 * (random.normal(size=count) + 1j * random.normal(size=count))
+    clustered = centres[random.integers(len(centres), size=count)] + scatter
+    places = np.where(random.uniform(size=count) < 0.6, clustered, _in_disc(random, count, radius_m))
+
+    def crowding(place: NDArray[np.complex128]) -> FloatArray:
+        near = sum(np.exp(-0.5 * np.abs(place - centre) ** 2 / 900.0**2) for centre in centres) / len(centres)
+        return np.asarray(count * (0.6 * near / (2.0 * math.pi * 900.0**2) + 0.4 / (math.pi * radius_m**2)))
+
+    return places, crowding
+
+
+def _lanes(random: np.random.Generator, count: int, radius_m: float) -> tuple[NDArray[np.complex128], Crowding]:
+    """Two lanes beside each other."""
+    along = random.uniform(-radius_m, radius_m, size=count)
+    across = 600.0 * random.normal(size=count) + np.where(random.uniform(size=count) < 0.5, 1500.0, -1500.0)
+    turn = np.exp(1j * random.uniform(0.0, math.pi))
+
+    def crowding(place: NDArray[np.complex128]) -> FloatArray:
+        local = place * np.conj(turn)
+        ridges = sum(np.exp(-0.5 * (local.imag - side) ** 2 / 600.0**2) for side in (1500.0, -1500.0)) / 2.0
+        per_m2 = count / (2.0 * radius_m) * ridges / (math.sqrt(2.0 * math.pi) * 600.0)
+        return np.where(np.abs(local.real) <= radius_m, per_m2, 0.0)
+
+    return np.asarray((along + 1j * across) * turn), crowding
+
+
+def _channel(random: np.random.Generator, count: int) -> tuple[NDArray[np.complex128], Crowding]:
+    """Pairs of buoys, a mile apart along the fairway."""
+    place = np.arange(count)
+    row = (place // 2 - (count // 2 - 1) / 2.0) * NM_M + 1j * np.where(place % 2 == 0, 150.0, -150.0)
+    turn = np.exp(1j * random.uniform(0.0, math.pi))
+
+    def crowding(where: NDArray[np.complex128]) -> FloatArray:
+        local = where * np.conj(turn)
+        inside = (np.abs(local.imag) <= 300.0) & (np.abs(local.real) <= count / 4.0 * NM_M)
+        return np.where(inside, 2.0 / (NM_M * 600.0), 0.0)
+
+    return np.asarray(row * turn), crowding
 
 
 def _state_positions(
@@ -188,6 +268,23 @@ def _measure(
     measured_m = range_m + recipe.range_bias_m + recipe.noise_misfit * sigma_m * random.normal(size=len(polar))
     bearing_rad = np.angle(polar) + recipe.noise_misfit * sigma_rad * random.normal(size=len(polar))
     return np.maximum(measured_m, 20.0), bearing_rad, sigma_m, sigma_rad
+
+
+def _with_lengths(epoch: Epoch, mark_of: IntArray, random: np.random.Generator) -> Epoch:
+    """Give every mark a length (median 90 m) and every echo what shows of it by its aspect; clutter is small craft."""
+    ship_m = np.clip(90.0 * np.exp(0.7 * random.normal(size=len(epoch.marks))), 8.0, 400.0)
+    own_m = np.clip(25.0 * np.exp(0.8 * random.normal(size=len(mark_of))), 5.0, 400.0)
+    aspect = np.abs(np.sin(math.pi * random.uniform(size=len(mark_of))))
+    true_m = np.where(mark_of >= 0, ship_m[mark_of], own_m)
+    seen_m = np.hypot(true_m * np.maximum(aspect, 0.2), 15.0) * np.exp(0.15 * random.normal(size=len(mark_of)))
+    return replace(
+        epoch,
+        targets=tuple(replace(t, length_m=float(m)) for t, m in zip(epoch.targets, seen_m, strict=True)),
+        marks=tuple(
+            replace(mark, hull=Hull(0.5 * m, 0.5 * m, 0.08 * m, 0.08 * m))
+            for mark, m in zip(epoch.marks, ship_m.tolist(), strict=True)
+        ),
+    )
 
 
 def _information(

@@ -24,7 +24,8 @@ class RadarTarget:
     ``bearing_reference`` "relative" counts from the radar's zero mark, "true" from north.
     ``speed_mps`` and ``course_deg`` are true and over ground (None where the radar does not say so).
     A sigma given here (1 sigma) overrides the radar model's. ``point`` says what of a ship was measured: its echo, on
-    the side that faces own ship, or by its outline the "hull_centre".
+    the side that faces own ship, or by its outline the "hull_centre". ``length_m`` is how long the echo is, where the
+    radar tells.
     """
 
     label: str
@@ -38,6 +39,7 @@ class RadarTarget:
     bearing_sigma_deg: float | None = None
     status: str | None = None
     point: TargetPoint = "echo"
+    length_m: float | None = None
 
     def __post_init__(self) -> None:
         who = f"target {self.label}"
@@ -50,9 +52,9 @@ class RadarTarget:
             self.bearing_reference,
         )
         require(self.point in ("echo", "hull_centre"), f"{who}: point", "must be 'echo' or 'hull_centre'", self.point)
-        for name in ("range_sigma_m", "bearing_sigma_deg"):
-            sigma = getattr(self, name)
-            require(sigma is None or (math.isfinite(sigma) and sigma > 0.0), f"{who}: {name}", "must be > 0", sigma)
+        for name in ("range_sigma_m", "bearing_sigma_deg", "length_m"):
+            value = getattr(self, name)
+            require(value is None or (math.isfinite(value) and value > 0.0), f"{who}: {name}", "must be > 0", value)
         object.__setattr__(self, "bearing_deg", wrap_360(float(self.bearing_deg)))
 
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import navfix
@@ -36,10 +36,11 @@ def test_the_same_scene_elsewhere_on_earth_has_the_same_answer(seed: int, lat_de
     assert abs(wrap_180(found.heading_deg - made.heading_deg)) < 2.0
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
-@given(seed=SEEDS)
-def test_a_mirrored_scene_is_refused(seed: int):
-    made = make_scene(replace(RECIPE, clutter=0.0, false_ais=0.0), seed)
+@settings(max_examples=25, deadline=None)
+@example(seed=139, layout="uniform")
+@given(seed=st.integers(0, 10**9), layout=st.sampled_from(("uniform", "lanes", "anchorages")))
+def test_a_mirrored_scene_is_refused(seed: int, layout: str):
+    made = make_scene(replace(RECIPE, clutter=0.0, false_ais=0.0, layout=layout), seed)
     mirrored = tuple(replace(t, bearing_deg=-t.bearing_deg) for t in made.epoch.targets)
     with pytest.raises(NoFix):
         navfix.associate(replace(made.epoch, targets=mirrored))

@@ -8,13 +8,14 @@ import pytest
 import navfix
 from navfix.association import scene as scenes
 from navfix.association import second_group, seeded
+from navfix.association.lengths import log_length_ratio
 from navfix.association.proof import prove
 from navfix.association.speeds import log_speed_ratio
 from navfix.catalog import association_method, association_model, radar_model
 from navfix.errors import Ambiguous, NoFix
 from navfix.geodesy import LocalPlane, direct, inverse
 from navfix.simulation.scenes import SceneRecipe, make_scene
-from navfix.types import Epoch, HeadingHint, Mark, Position, PositionHint, RadarTarget
+from navfix.types import Epoch, HeadingHint, Hull, Mark, Position, PositionHint, RadarTarget
 from navfix.units import NM_M
 
 SPARSE = SceneRecipe(8, 40, 12.0, 24.0, clutter=0.4, false_ais=0.1)
@@ -182,3 +183,42 @@ def test_speeds_carry_no_evidence_on_the_average_of_wrong_pairs():
     marks = np.abs(random.normal(0.0, 5.0, 60)) * (random.uniform(size=60) > 0.4)
     targets = marks[random.integers(60, size=30)] + 0.3 * random.normal(size=30)
     assert np.mean(np.exp(log_speed_ratio(targets, marks))) < 1.0
+
+
+def test_the_size_of_an_echo_tells_a_tanker_from_coasters_and_nothing_among_coasters():
+    marks = np.array([80.0] * 8 + [300.0, np.nan])
+    targets = np.array([70.0] * 5 + [240.0, np.nan])
+    ratio = log_length_ratio(targets, marks)
+    assert ratio[5, 8] > ratio[0, 0] + 0.5
+    assert ratio[5, 0] < -0.5
+    assert abs(ratio[0, 0]) < 0.6
+    assert np.all(ratio[:, 9] == 0.0)
+    assert np.all(ratio[6] == 0.0)
+
+
+def test_lengths_raise_the_evidence_of_right_places_and_can_be_switched_off():
+    model, gains = association_model(), []
+    for seed in range(12):
+        made = make_scene(SceneRecipe(14, 60, 12.0, 20.0, 0.2, 0.1, lengths=True), seed)
+        scene = scenes.build(made.epoch, radar_model("imo"), model)
+        told, untold = (seeded.search(scene, replace(model, use_length=use)) for use in (True, False))
+        if inverse(scenes.position_of(scene, complex(told.answers.poses.p[0])), made.position)[0] < 300.0:
+            gains.append(told.answers.evidence[0] - untold.answers.evidence[0])
+    assert len(gains) >= 10
+    assert np.mean(gains) > 0.5
+
+
+def test_a_long_ship_close_by_without_an_echo_speaks_against_a_place_and_one_of_unknown_length_hardly():
+    made = make_scene(BUSY, 2)
+    model = association_model()
+
+    def evidence_with(*more: Mark) -> float:
+        epoch = replace(made.epoch, marks=made.epoch.marks + more)
+        scene = scenes.build(epoch, radar_model("imo"), model)
+        return float(seeded.search(scene, model).answers.log_ratio[0])
+
+    places = [direct(made.position, azimuth_deg, 2000.0) for azimuth_deg in (40.0, 160.0, 280.0)]
+    known = [Mark(f"{k}", p, 10.0, mmsi=k, hull=Hull(120.0, 60.0, 12.0, 12.0)) for k, p in enumerate(places)]
+    small = [Mark(f"{k}", p, 10.0, mmsi=k, ais_class="B") for k, p in enumerate(places)]
+    assert evidence_with(*known) < evidence_with() - 2.0
+    assert evidence_with(*small) > evidence_with() - 1.0

@@ -37,7 +37,7 @@ def test_the_first_lines_say_what_is_needed_first() -> None:
     assert "zero mark" in lines[4]
     assert lines[5].startswith("Ellipse 95 %    23.1 m x 13.3 m")
     assert lines[6].startswith("R95             18.3 m   protection level 61.0 m")
-    assert "about 2 in a million that this is another place" in lines[7]
+    assert "at most 2 in a million that this is another place" in lines[7]
     assert "147 m from the fix along 049°" in lines[8]
     assert lines[9].startswith("GNSS            UNSAFE: 1481 m from the fix")
 
@@ -107,12 +107,14 @@ def test_the_report_is_the_same_every_time() -> None:
 @pytest.mark.parametrize(
     ("probability", "words"),
     [
-        (2e-6, "about 2 in a million"),
-        (2.34e-4, "about 230 in a million"),
-        (0.0017, "about 2 in a thousand"),
-        (0.25, "about 25 in a hundred"),
-        (0.999, "about 99 in a hundred"),
-        (3e-8, "about 30 in a billion"),
+        (2e-6, "at most 2 in a million"),
+        (1e-4, "at most 1 in ten thousand"),
+        (2.34e-4, "at most 3 in ten thousand"),
+        (2.34e-5, "at most 24 in a million"),
+        (0.0017, "at most 2 in a thousand"),
+        (0.25, "at most 25 in a hundred"),
+        (0.999, "at most 99 in a hundred"),
+        (3e-8, "at most 30 in a billion"),
         (0.0, "less than 1 in a million million"),
     ],
 )
