@@ -17,8 +17,8 @@ NAMES: dict[str, tuple[str, ...]] = {
     "label": ("label", "id", "@id", "lnam", "ref", "seamark:reference", "number", "light_list_number"),
     "lat": ("lat", "lat_deg", "latitude", "y"),
     "lon": ("lon", "lon_deg", "long", "lng", "longitude", "x"),
-    "kind": ("kind", "mooring", "fixed_or_floating"),
-    "type": ("type", "seamark:type", "class", "object_class", "acronym", "objl", "layer", "category"),
+    "kind": ("kind", "fixed_or_floating"),
+    "type": ("type", "seamark:type", "class", "object_class", "acronym", "objl", "layer"),
     "name": ("name", "objnam", "seamark:name", "nobjnm", "aid_name"),
     "mmsi": ("mmsi", "seamark:mmsi", "seamark:radio_station:mmsi", "ais_mmsi"),
     "sigma_m": ("sigma_m", "sigma"),
@@ -177,6 +177,8 @@ def _mmsi(text: str | None) -> int | None:
     if text is None:
         return None
     digits = text.removesuffix(".0")
+    if digits == "0":  # how tables say that there is none
+        return None
     if not digits.isdecimal() or not 0 < int(digits) <= 999_999_999:
         raise BadRow("mmsi must have nine digits", text)
     return int(digits)

@@ -36,7 +36,7 @@ TABLE: dict[tuple[bool, bool, bool], tuple[str, tuple[Filter, ...]]] = {
     (False, False, True): ("aids", ("aids",)),
     (False, False, False): ("nothing to compare with", ()),
 }
-_WHY_ALL = "ships and aids together hold more information than either, and no echo has to be sorted out beforehand"
+_WHY_ALL = "together they say more than any part"
 
 
 def choose(epoch: Epoch) -> MethodChoice:

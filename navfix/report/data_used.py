@@ -95,4 +95,4 @@ def _chart(check: ChartCheck) -> str:
 
 def _choice(choice: MethodChoice) -> str:
     used = {"all": "all data", "source": "as the source's table says", "none": "nothing to use"}[choice.decision]
-    return f"{used} ({choice.reason}); the source's table: {choice.source}"
+    return f"{used} ({choice.reason}). The source's table: {choice.source}"

@@ -221,6 +221,12 @@ def test_an_object_of_two_charts_is_taken_once(tmp_path: Path) -> None:
     ]
 
 
+def test_tags_that_other_sources_use_for_something_else_do_no_harm(tmp_path: Path) -> None:
+    tags = {"seamark:type": "buoy_lateral", "mooring": "yes", "layer": 1, "MMSI": 0, "seamark": {"a": 1}}
+    (item,) = geojson_of(tmp_path, feature(7.0, 54.0, **tags)).objects
+    assert (item.chart_class.code, item.kind, item.mmsi) == ("BOYLAT", "floating", None)
+
+
 def test_a_floating_mark_has_its_watch_circle_and_a_fixed_one_is_tight(tmp_path: Path) -> None:
     chart = chart_of(tmp_path, "lat,lon,type,depth_m\n54,7,buoy,10\n54,7.1,buoy,\n54,7.2,beacon,\n54,7.3,buoy,500\n")
     shallow, unknown, fixed, deep = (mark.sigma_m for mark in marks(chart.objects))

@@ -8,10 +8,14 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+from navfix.errors import TooFewPairs
 from navfix.geodesy import direct
 from navfix.nmea.records import AisPosition, Record, TargetReport
 from navfix.picture import Picture
 from navfix.picture.charted import ChartedMarks, common_shift, same_name
+from navfix.report import Answer
+from navfix.report.data_used import data_entries
+from navfix.report.fix_json import answer_to_dict
 from navfix.types import Epoch, Mark, OffStation, Position
 
 T0 = datetime(2026, 1, 1, tzinfo=UTC).timestamp()
@@ -169,6 +173,19 @@ def test_thousands_of_charted_marks_are_cut_to_the_nearest_in_little_time() -> N
     assert time.process_time() - began < 1.0
     assert joined.check.in_reach <= 1501
     assert len(joined.marks) <= 1511
+
+
+def test_an_aid_off_station_stands_in_the_report_and_in_the_json() -> None:
+    epoch = epoch_of([aid(direct(HERE, 90.0, 800.0)), ship(HERE)], [charted(HERE, name="Buoy 1")])
+    entries = list(data_entries(epoch))
+    assert ("", "- BUOY 1 (992001001) off station by AIS: 800 m along 090° from charted Buoy 1; left out") in entries
+    assert dict(entries)["Chart"] == (
+        "1 of 1 charted mark in reach: 0 added to AIS, 0 confirm an AIS aid, 1 off station"
+    )
+    content = answer_to_dict(Answer(epoch=epoch, error=TooFewPairs("few", observations=2, unknowns=3)))
+    assert content["chart"]["off_station"][0]["mmsi"] == BUOY
+    assert content["chart"]["shift_m"] is None
+    assert content["choice"]["decision"] == "all"
 
 
 def test_aids_off_station_alike_tell_the_common_vector_and_buoys_adrift_do_not() -> None:
