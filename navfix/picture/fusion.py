@@ -24,6 +24,7 @@ from navfix.types import (
 from navfix.units import wrap_180, wrap_360
 
 STEERING_MPS = 0.5  # slower, a course says nothing
+SAME_SHIP_CHI2 = 13.816  # 99.9 % of a chi-square of two
 WORST_ANGLE_DEG2 = 180.0**2
 
 
@@ -62,7 +63,8 @@ def fused_list(
     """Return every ship of an epoch: fused where target and mark are a pair, else by the sensor that sees it.
 
     Radar and AIS are brought to one point, the side of the hull that own ship sees. The variance of own place counts to
-    AIS, that of own heading to radar; that a fix rests on both is left out.
+    AIS, that of own heading to radar; that a fix rests on both is left out. A pair whose ranges and bearings contradict
+    each other (a false AIS position, a wrong pair) is not fused: both stand alone.
     """
     constants, instrument = track_model(model), radar_model(radar)
     seen = facing(facing(epoch, own.position, association.pairs), own.position)
@@ -72,8 +74,9 @@ def fused_list(
         by_radar = radar_ship(_with_sigmas(target, instrument), epoch, own, constants)
         if index in pairs and by_radar.bearing_reference == "true":
             mark, probability = pairs[index]
-            both = fuse_ships(by_radar, ais_ship(seen.marks[mark], epoch, own))
-            by_radar = placed(replace(both, probability=probability), own.position)
+            by_ais = ais_ship(seen.marks[mark], epoch, own)
+            if _agree(by_radar, by_ais):
+                by_radar = placed(replace(fuse_ships(by_radar, by_ais), probability=probability), own.position)
         ships.append(by_radar)
     paired = {ship.mark for ship in ships}
     ships += [ais_ship(mark, epoch, own) for mark in seen.marks if mark.label not in paired]
@@ -182,6 +185,20 @@ def placed(ship: TrackedShip, own: Position) -> TrackedShip:
     if ship.range_m is None or ship.bearing_deg is None or ship.bearing_reference != "true":
         return ship
     return replace(ship, position=direct(own, ship.bearing_deg, ship.range_m))
+
+
+def _agree(radar: TrackedShip, ais: TrackedShip) -> bool:
+    """Tell whether range and bearing of two sensors differ by no more than their variances explain."""
+    misfit = 0.0
+    for one, one_variance, other, other_variance, angle in (
+        (radar.range_m, radar.range_variance_m2, ais.range_m, ais.range_variance_m2, False),
+        (radar.bearing_deg, radar.bearing_variance_deg2, ais.bearing_deg, ais.bearing_variance_deg2, True),
+    ):
+        if one is None or one_variance is None or other is None or other_variance is None:
+            return False
+        difference = wrap_180(one - other) if angle else one - other
+        misfit += difference**2 / (one_variance + other_variance)
+    return misfit <= SAME_SHIP_CHI2
 
 
 def _joined(

@@ -126,7 +126,7 @@ def underway(draws: int = 8, duration_s: float = 300.0) -> Iterator[tuple[str, .
     yield ("noise of a point", "AIS variance", "radar point", "radar alone m", "fused m")
     for noise in NOISES[:3]:
         for ais_name, ais_m2, ais_deg2 in (("80 m², 1.2°² as printed", 80.0, 1.2), ("80 m², 80 m² across", 80.0, None)):
-            for point in ("nearest", "visible side", "ellipse or extent", "known hull"):
+            for point in ("nearest", "ellipse or extent", "known hull"):
                 errors = [_one_run(noise, ais_m2, ais_deg2, point, seed, duration_s) for seed in range(draws)]
                 alone, fused = np.mean(errors, axis=0)
                 yield (noise.name, ais_name, point, f"{alone:.1f}", f"{fused:.1f}")
@@ -178,11 +178,6 @@ def _radar_point(point: str, polar: FloatArray, heading_deg: float) -> FloatArra
     aft = antenna_step(LENGTH_M, heading_deg)
     if point == "nearest":
         return to_plane(nearest[None])[0]
-    if point == "visible side":
-        middle = polar.mean(axis=0)
-        depth_m = echo(Size(LENGTH_M, BEAM_M), math.radians(middle[1] + 180.0 - heading_deg)).depth_m
-        lit = np.array([[np.sort(polar[:, 0])[:3].mean() + depth_m, middle[1]]])
-        return to_plane(lit)[0] + aft
     if point == "known hull":
         known = fit_known_ellipse(to_plane(polar), LENGTH_M, BEAM_M, heading_deg)
         return np.array([known.north_m, known.east_m]) + aft

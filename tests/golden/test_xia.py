@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from navfix.picture.ellipse import antenna_step
 from navfix.picture.fusion import fuse, fuse_angles
+from navfix.picture.hull import Size, echo
 
 
 def test_weights_and_fused_variances_of_the_published_example(repository: Path):
@@ -32,3 +34,9 @@ def test_the_printed_bearing_variance_of_ais_is_a_hundred_metres_at_the_range_of
     """1.2 deg2 at (4000, 4000) m; an AIS position good to 10 m has 0.01 deg2 there: ours come from metres."""
     across_m = np.hypot(4000.0, 4000.0) * np.radians(np.sqrt(1.2))
     assert across_m == pytest.approx(108.2, abs=0.1)
+
+
+def test_bow_on_the_nearest_edge_is_186_m_before_an_antenna_a_quarter_of_the_length_aft():
+    bow_m = echo(Size(249.0, 44.0), 0.0).depth_m
+    assert bow_m == pytest.approx(124.5)
+    assert bow_m - float(antenna_step(249.0, 0.0)[0]) == pytest.approx(186.75)

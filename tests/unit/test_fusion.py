@@ -86,6 +86,15 @@ def test_pairs_are_fused_and_the_others_stand_alone():
     assert inverse(OWN, first.position)[0] == pytest.approx(first.range_m, abs=1e-3)
 
 
+def test_a_pair_that_contradicts_itself_is_not_fused():
+    epoch = scene()
+    wrong = replace(epoch.targets[0], range_m=4300.0)
+    ships = fused_list(replace(epoch, targets=(wrong, *epoch.targets[1:])), POSE, PAIRS)
+    assert [ship.mark for ship in ships.of("fused")] == ["211000001"]
+    assert "01" in {ship.target for ship in ships.of("radar")}
+    assert "211000000" in {ship.mark for ship in ships.of("ais")}
+
+
 def test_an_echo_alone_has_a_true_bearing_and_a_place_by_own_heading():
     echo = fused_list(scene(), POSE, PAIRS).of("radar")[0]
     assert (echo.bearing_deg, echo.bearing_reference) == (pytest.approx(300.0), "true")
