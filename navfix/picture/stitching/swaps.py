@@ -19,7 +19,7 @@ Swap = tuple[int, int, int, int]  # last sightings before, of the one and the ot
 def find_swaps(
     seen: Sightings, tracked: Tracked, back: tuple[FloatArray, FloatArray], model: StitchingModel
 ) -> list[Swap]:
-    """Return the swaps of segments that pass each other, eq. (8.9).
+    """Return the swaps of segments that pass each other, eq. (11.9).
 
     Of each pair that comes near, the scan is looked for at which "they have changed over" is most ahead of "they have
     not", both judged by position and velocity of a filter that runs up to it and of one that runs back to it.

@@ -22,7 +22,7 @@ def weighted_median(values: FloatArray, weights: FloatArray) -> float:
 def common_change_deg(
     before: tuple[FloatArray, FloatArray], now: tuple[FloatArray, FloatArray], *, gate_m: FloatArray, widest_deg: float
 ) -> float:
-    """Return by how many degrees the bearings of what was seen ``before`` have grown ``now``: eq. (8.1).
+    """Return by how many degrees the bearings of what was seen ``before`` have grown ``now``: eq. (11.1).
 
     Every pair of like range proposes its own change; the change that most of the tracks share within 2.5 deg wins, each
     track counted once, and of its pairs the range-weighted median is taken. 0 where fewer than three tracks agree, or
@@ -50,7 +50,7 @@ def common_change_deg(
 
 
 def orbit_rate_rad_s(position: FloatArray, velocity: FloatArray) -> float:
-    """Return the rate [rad/s] at which all targets seem to circle about own ship, eq. (8.10).
+    """Return the rate [rad/s] at which all targets seem to circle about own ship, eq. (11.10).
 
     Positions and velocities (n, 2) of the tracks. A turn of own ship that was taken for theirs looks like this: nothing
     but their speeds tells the two apart. Fitted beside a common velocity, by least squares with Huber weights; 0 for

@@ -40,7 +40,7 @@ class PlotTracker:
 
     Notes
     -----
-    Works in a plane about own ship that does not turn with her, sections 8.1 to 8.4 of the theory.
+    Works in a plane about own ship that does not turn with her, section 11 of the theory.
     """
 
     def __init__(
