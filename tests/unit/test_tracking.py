@@ -17,7 +17,7 @@ from navfix.picture.tracking import filter as cv
 from navfix.picture.tracking.assignment import assign
 from navfix.picture.tracking.gating import Distances, distances
 from navfix.picture.tracking.pieces import beside
-from navfix.picture.tracking.rotation import common_change_deg, orbit_rate_rad_s, weighted_median
+from navfix.picture.tracking.rotation import Yaw, common_change_deg, orbit_rate_rad_s, weighted_median
 from navfix.units import wrap_180
 from tests.plot_scenes import PlotScene, figures, plot_scene
 
@@ -89,9 +89,19 @@ def test_the_change_that_all_bearings_share_is_found_among_clutter(turned_deg: f
 def test_two_tracks_prove_no_turn() -> None:
     two = np.array([1000.0, 2000.0]), np.array([10.0, 50.0])
     turned = two[0], two[1] + 9.0
-    assert common_change_deg(two, turned, gate_m=np.full(2, 50.0), widest_deg=30.0) == 0.0
+    assert common_change_deg(two, turned, gate_m=np.full(2, 50.0), widest_deg=30.0) is None
     nothing = np.empty(0), np.empty(0)
-    assert common_change_deg(nothing, two, gate_m=np.empty(0), widest_deg=30.0) == 0.0
+    assert common_change_deg(nothing, two, gate_m=np.empty(0), widest_deg=30.0) is None
+
+
+def test_a_turn_that_is_not_seen_any_more_fades() -> None:
+    yaw = Yaw()
+    for look in range(10):
+        yaw.correct(2.5 * look, 0.0 if look == 0 else 5.0 - (yaw.at(2.5 * look) - yaw.at(2.5 * (look - 1))))
+    assert yaw.at(22.5 + 2.5) - yaw.at(22.5) == pytest.approx(5.0, abs=0.1)
+    for look in range(10, 20):
+        yaw.correct(2.5 * look, None)
+    assert yaw.at(50.0) - yaw.at(47.5) < 0.02
 
 
 def test_the_filter_agrees_with_least_squares_when_nothing_accelerates() -> None:

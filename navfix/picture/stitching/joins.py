@@ -26,7 +26,7 @@ def find_joins(
 ) -> list[tuple[int, int]]:
     """Return pairs of segments (earlier, later) that are one echo; ``taken`` pairs are so already.
 
-    The log odds of eq. (8.8) must pass ``join_log_odds``, and no other end or beginning may come within ``join_lead``.
+    The log odds of eq. (11.8) must pass ``join_log_odds``, and no other end or beginning may come within ``join_lead``.
     """
     odds = _log_odds(seen, tracked, back, segment, (_ends(segment), _starts(segment)), model)
     busy, pairs = list(taken), list[tuple[int, int]]()

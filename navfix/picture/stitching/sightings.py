@@ -149,7 +149,7 @@ def _turn(
     new, old = new[relative], old[relative]
     if len(new) < LEAST_TRACKS:
         if len(new):
-            yaw.correct(float(np.median(seen.time_s[new])), 0.0)
+            yaw.correct(float(np.median(seen.time_s[new])), None)
         return False
     mean = tracked.mean[old]
     dt_s = (seen.time_s[new] - seen.time_s[old])[:, None]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations
-
 import numpy as np
 
 from navfix.catalog import StitchingModel
@@ -19,23 +17,32 @@ Swap = tuple[int, int, int, int]  # last sightings before, of the one and the ot
 def find_swaps(
     seen: Sightings, tracked: Tracked, back: tuple[FloatArray, FloatArray], model: StitchingModel
 ) -> list[Swap]:
-    """Return the swaps of segments that pass each other, eq. (8.9).
+    """Return the swaps of segments that pass each other, eq. (11.9).
 
     Of each pair that comes near, the scan is looked for at which "they have changed over" is most ahead of "they have
     not", both judged by position and velocity of a filter that runs up to it and of one that runs back to it.
     """
-    rows_of = {int(s): np.flatnonzero(tracked.segment == s) for s in np.unique(tracked.segment)}
-    long = {s: rows for s, rows in rows_of.items() if len(rows) >= 2 * model.least_sightings}
     found = []
-    for one, other in combinations(sorted(long), 2):
-        common, first, second = np.intersect1d(
-            seen.scan[long[one]], seen.scan[long[other]], assume_unique=True, return_indices=True
-        )
-        if len(common) >= 2 * model.least_sightings:
-            swap = _best(seen, tracked, back, (long[one][first], long[other][second]), model)
-            if swap is not None:
-                found.append(swap)
+    for one, other in sorted(_passing(seen, tracked)):
+        first, second = np.flatnonzero(tracked.segment == one), np.flatnonzero(tracked.segment == other)
+        _, a, b = np.intersect1d(seen.scan[first], seen.scan[second], assume_unique=True, return_indices=True)
+        swap = _best(seen, tracked, back, (first[a], second[b]), model)
+        if swap is not None:
+            found.append(swap)
     return found
+
+
+def _passing(seen: Sightings, tracked: Tracked) -> set[tuple[int, int]]:
+    """Return the pairs of segments that come near each other in any scan."""
+    noise_m2 = np.trace(tracked.spread, axis1=1, axis2=2) / 2.0
+    near: set[tuple[int, int]] = set()
+    for rows in seen.scans():
+        apart_m2 = np.sum((tracked.position[rows][:, None] - tracked.position[rows][None, :]) ** 2, axis=2)
+        close = apart_m2 <= _NEAR_SIGMA**2 * (noise_m2[rows][:, None] + noise_m2[rows][None, :])
+        for i, j in np.argwhere(np.triu(close, 1)):
+            one, other = sorted((int(tracked.segment[rows[i]]), int(tracked.segment[rows[j]])))
+            near.add((one, other))
+    return near
 
 
 def _best(

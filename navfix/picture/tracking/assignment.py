@@ -11,7 +11,7 @@ _NEVER = 1e6
 
 
 def assign(found: Distances, allowed: NDArray[np.bool_], gate_chi2: float) -> list[tuple[int, int]]:
-    """Return (track, plot) pairs, each track and each plot once at most, that cost least in sum, eq. (8.6).
+    """Return (track, plot) pairs, each track and each plot once at most, that cost least in sum, eq. (11.6).
 
     A pair costs its chi-square distance plus the log determinant against the track's most certain plot; a track without
     a plot costs the gate. ``allowed`` (n, m) excludes pairs.

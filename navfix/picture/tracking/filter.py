@@ -19,7 +19,7 @@ class Measured:
 
 
 def measured(range_m: float, bearing_deg: float, range_sigma_m: float, bearing_sigma_deg: float) -> Measured:
-    """Return range and bearing as a position with covariance, eq. (8.2)."""
+    """Return range and bearing as a position with covariance, eq. (11.2)."""
     bearing_rad = math.radians(bearing_deg)
     cos, sin = math.cos(bearing_rad), math.sin(bearing_rad)
     turn = np.array([[cos, -sin], [sin, cos]])
@@ -58,13 +58,13 @@ def start(time_s: float, seen: Measured, speed_sigma_mps: float) -> State:
 
 
 def predict(state: State, time_s: float, acceleration_mps2: float) -> State:
-    """Carry a state to another time, eq. (8.3); the acceleration is white from turn to turn."""
+    """Carry a state to another time, eq. (11.3); the acceleration is white from turn to turn."""
     mean, covariance = carried(state.mean, state.covariance, np.array(time_s - state.time_s), acceleration_mps2)
     return State(time_s, mean, covariance)
 
 
 def update(state: State, seen: Measured) -> State:
-    """Take a plot into a state of the same time, eq. (8.4)."""
+    """Take a plot into a state of the same time, eq. (11.4)."""
     mean, covariance = blended(state.mean, state.covariance, seen.position, seen.covariance)
     return State(state.time_s, mean, covariance)
 
@@ -72,7 +72,7 @@ def update(state: State, seen: Measured) -> State:
 def carried(
     mean: FloatArray, covariance: FloatArray, dt_s: FloatArray, acceleration_mps2: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Carry means (..., 4) and covariances (..., 4, 4) over ``dt_s`` (...), forward or backward, eq. (8.3)."""
+    """Carry means (..., 4) and covariances (..., 4, 4) over ``dt_s`` (...), forward or backward, eq. (11.3)."""
     transition = np.broadcast_to(np.eye(4), covariance.shape).copy()
     transition[..., 0, 2] = transition[..., 1, 3] = dt_s
     gain = np.zeros((*mean.shape[:-1], 4, 2))
@@ -86,7 +86,7 @@ def carried(
 def blended(
     mean: FloatArray, covariance: FloatArray, position: FloatArray, spread: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Take positions (..., 2) with covariance (..., 2, 2) into states of the same time, eq. (8.4), in Joseph's form."""
+    """Take positions (..., 2) with covariance (..., 2, 2) into states of the same time, eq. (11.4) in Joseph's form."""
     innovation_covariance = covariance[..., :2, :2] + spread
     gain = np.swapaxes(np.linalg.solve(innovation_covariance, covariance[..., :2, :]), -1, -2)
     better = mean + (gain @ (position - mean[..., :2])[..., None])[..., 0]

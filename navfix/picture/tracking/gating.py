@@ -28,7 +28,7 @@ class Distances:
 def distances(
     states: Sequence[State], seen: Sequence[Measured], time_s: FloatArray, acceleration_mps2: float
 ) -> Distances:
-    """Return the distance of every track, carried to the time of every plot (m,) [POSIX s], to that plot, eq. (8.5)."""
+    """Return the distance of every track, at the time of every plot (m,) [POSIX s], to that plot, eq. (11.5)."""
     mean = np.array([state.mean for state in states]).reshape(-1, 4)
     covariance = np.array([state.covariance for state in states]).reshape(-1, 4, 4)
     position = np.array([plot.position for plot in seen]).reshape(-1, 2)

@@ -21,12 +21,12 @@ def weighted_median(values: FloatArray, weights: FloatArray) -> float:
 
 def common_change_deg(
     before: tuple[FloatArray, FloatArray], now: tuple[FloatArray, FloatArray], *, gate_m: FloatArray, widest_deg: float
-) -> float:
-    """Return by how many degrees the bearings of what was seen ``before`` have grown ``now``: eq. (8.1).
+) -> float | None:
+    """Return by how many degrees the bearings of what was seen ``before`` have grown ``now``: eq. (11.1).
 
     Every pair of like range proposes its own change; the change that most of the tracks share within 2.5 deg wins, each
-    track counted once, and of its pairs the range-weighted median is taken. 0 where fewer than three tracks agree, or
-    not a third of those that propose anything: then nothing proves a turn.
+    track counted once, and of its pairs the range-weighted median is taken. None where fewer than three tracks agree,
+    or not a third of those that propose anything: then nothing is proven.
 
     Parameters
     ----------
@@ -38,19 +38,19 @@ def common_change_deg(
     like = (np.abs(now[0][None, :] - before[0][:, None]) <= gate_m[:, None]) & (np.abs(change_deg) <= widest_deg)
     track, plot = np.nonzero(like)
     if len(track) == 0:
-        return 0.0
+        return None
     proposed_deg, weight = change_deg[track, plot], before[0][track]
     together = np.abs(proposed_deg[:, None] - proposed_deg[None, :]) <= _TOGETHER_DEG
     support = np.array([len(np.unique(track[row])) for row in together], dtype=np.float64)
     best = int(np.argmax(support - 0.5 * np.abs(proposed_deg) / widest_deg))  # of equals, the smallest change
     if support[best] < max(LEAST_TRACKS, len(np.unique(track)) / 3.0):
-        return 0.0
+        return None
     chosen = together[best]
     return weighted_median(proposed_deg[chosen], weight[chosen])
 
 
 def orbit_rate_rad_s(position: FloatArray, velocity: FloatArray) -> float:
-    """Return the rate [rad/s] at which all targets seem to circle about own ship, eq. (8.10).
+    """Return the rate [rad/s] at which all targets seem to circle about own ship, eq. (11.10).
 
     Positions and velocities (n, 2) of the tracks. A turn of own ship that was taken for theirs looks like this: nothing
     but their speeds tells the two apart. Fitted beside a common velocity, by least squares with Huber weights; 0 for
@@ -86,12 +86,12 @@ class Yaw:
             return 0.0
         return self._angle_deg + self._rate_deg_s * (time_s - self._time_s)
 
-    def correct(self, time_s: float, by_deg: float) -> None:
-        """Turn the angle at a look; the rate follows by half."""
+    def correct(self, time_s: float, by_deg: float | None) -> None:
+        """Turn the angle at a look; the rate follows by half. None: nothing was seen of a turn, the rate fades."""
         if self._time_s is not None and time_s > self._time_s:
-            angle_deg = self.at(time_s) + by_deg
-            rate_deg_s = wrap_180(angle_deg - self._angle_deg) / (time_s - self._time_s)
-            self._rate_deg_s = 0.5 * (self._rate_deg_s + rate_deg_s)
+            angle_deg = self.at(time_s) + (by_deg or 0.0)
+            seen_deg_s = 0.0 if by_deg is None else (angle_deg - self._angle_deg) / (time_s - self._time_s)
+            self._rate_deg_s = 0.5 * (self._rate_deg_s + seen_deg_s)
             self._angle_deg = angle_deg
         self._time_s = time_s
 

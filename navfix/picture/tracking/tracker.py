@@ -40,7 +40,7 @@ class PlotTracker:
 
     Notes
     -----
-    Works in a plane about own ship that does not turn with her, sections 8.1 to 8.4 of the theory.
+    Works in a plane about own ship that does not turn with her, section 11 of the theory.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class PlotTracker:
         change_deg = common_change_deg(
             before, (range_m, plane_deg), gate_m=gate_m, widest_deg=self._model.widest_turn_deg
         )
-        self._yaw.correct(middle_s, -change_deg)
+        self._yaw.correct(middle_s, None if change_deg is None else -change_deg)
 
     def _stop_orbiting(self) -> None:
         """Give a part of what all targets seem to circle back to own ship's turn, where it belongs."""

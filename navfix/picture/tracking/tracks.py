@@ -14,7 +14,7 @@ from navfix.types import FloatArray
 class Track:
     """One track. ``number`` is 0 while it is tentative; numbers are never used twice.
 
-    ``score`` is the log likelihood ratio "a ship" against "clutter", eq. (8.7). ``twin_turns`` counts the turns beside
+    ``score`` is the log likelihood ratio "a ship" against "clutter", eq. (11.7). ``twin_turns`` counts the turns beside
     an older track, ``coasted`` the turns since its last plot in which it was reported without one. ``plots`` (2,) [m]
     are kept while the track is tentative: when it dies they were clutter.
     """
@@ -33,7 +33,7 @@ class Track:
 
 
 def score_hit(track: Track, log_likelihood: float, clutter_per_m2: float, model: TrackingModel) -> None:
-    """Count a plot for the track: how much more likely it is under its prediction than as clutter, eq. (8.7)."""
+    """Count a plot for the track: how much more likely it is under its prediction than as clutter, eq. (11.7)."""
     track.hits += 1
     track.score += math.log(model.detection) + log_likelihood - math.log(clutter_per_m2)
 
