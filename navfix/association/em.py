@@ -191,7 +191,13 @@ def _finalists(poses: Poses, gain: FloatArray, model: AssociationModel, most: in
 
 
 def em_step(
-    field: Field, poses: Poses, widening: float, fit: Fit | None = None
+    field: Field,
+    poses: Poses,
+    widening: float,
+    fit: Fit | None = None,
+    *,
+    share: float = NOMINAL_SHARE,
+    level: float = NOMINAL_LEVEL,
 ) -> tuple[Poses, FloatArray, FloatArray]:
     """One E-step and one M-step at all poses (k); ``fit``, where it is at hand, lays the targets over at these poses.
 
@@ -201,8 +207,8 @@ def em_step(
     """
     scene = field.scene
     fit = fit or lay_over(field, poses)
-    ratio = likelihood_ratio(field, fit, NOMINAL_LEVEL, widening)
-    total = NOMINAL_SHARE + ratio.sum(axis=2, keepdims=True)
+    ratio = likelihood_ratio(field, fit, level, widening)
+    total = share + ratio.sum(axis=2, keepdims=True)
     responsibility = ratio / total  # M&S eq. 6
     weight_radial = responsibility / fit.radial_m2
     weight_tangential = responsibility / fit.tangential_m2
@@ -210,6 +216,32 @@ def em_step(
     step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
     moved = Poses(poses.p + step[:, 0] + 1j * step[:, 1], poses.heading_rad + step[:, 2])
     return moved, information, np.log(total).sum(axis=(1, 2))
+
+
+def missing_information(field: Field, poses: Poses, *, share: float, level: float) -> FloatArray:
+    """Return the information (k, 3, 3) that not knowing the pairs costs: eq. (6.14) of the theory.
+
+    The normal matrix takes every responsibility as settled. Where a target may be one of two marks, or clutter, its
+    contribution to the gradient is uncertain, and the variance of that is lost (Louis 1982, eq. 3.2).
+    """
+    fit = lay_over(field, poses, reach_m=REACH_SIGMA * field.widest_m)
+    ratio = likelihood_ratio(field, fit, level)
+    responsibility = (ratio / (share + ratio.sum(axis=2, keepdims=True)))[..., None]
+    azimuth = (poses.heading_rad[:, None] + field.scene.bearing_rad[None, :])[:, :, None]
+    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    radial, tangential = fit.radial_m / fit.radial_m2, fit.tangential_m / fit.tangential_m2
+    score = np.stack(
+        [
+            cos * radial - sin * tangential,
+            sin * radial + cos * tangential,
+            field.scene.range_m[None, :, None] * tangential,
+        ],
+        axis=-1,
+    )
+    mean = (responsibility * score).sum(axis=2)
+    second = np.einsum("kmqa,kmqb->kab", responsibility * score, score)
+    missing: FloatArray = second - np.einsum("kma,kmb->kab", mean, mean)
+    return missing
 
 
 def _normal_equations(

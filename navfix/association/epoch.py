@@ -11,6 +11,7 @@ from navfix.association import scene as scenes
 from navfix.association.acceptance import FEWEST, FEWEST_WITH_HINT, Acceptance
 from navfix.association.evidence import Judged
 from navfix.association.kept_index import KeptIndex
+from navfix.association.polish import polish
 from navfix.association.scene import Scene, position_of
 from navfix.association.seeded import Search
 from navfix.catalog import (
@@ -167,13 +168,14 @@ def _association(
     look_further: bool = True,
 ) -> Association:
     answers = found.answers
-    index_pairs, probability = pairs.one_to_one(found.field, answers.poses.take(np.array([0])))
+    pose, covariance = polish(found.field, answers.poses.take(np.array([0])))
+    index_pairs, probability = pairs.one_to_one(found.field, pose)
     return Association(
         pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
         probability=probability,
-        position=position_of(scene, complex(answers.poses.p[0])),
-        heading_deg=math.degrees(answers.poses.heading_rad[0]) % 360.0,
-        covariance=np.linalg.inv(answers.information[0]),
+        position=position_of(scene, complex(pose.p[0])),
+        heading_deg=math.degrees(pose.heading_rad[0]) % 360.0,
+        covariance=covariance,
         evidence=decision.evidence,
         margin=min(decision.margin, LARGEST_MARGIN),
         probability_wrong=decision.probability_wrong,

@@ -94,6 +94,24 @@ def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
 
 
 def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
+    terms = _log_terms(field, poses, matches)
+    stacked = np.moveaxis(terms, 1, 0).reshape(len(poses), -1)
+    top = stacked.max(axis=1)
+    mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
+    return mean
+
+
+def share_and_level(field: Field, pose: Poses) -> tuple[float, float]:
+    """Return the mean clutter share and detection level at one pose, given its echoes."""
+    terms = _log_terms(field, pose, Matches.of(field, lay_over(field, pose, reach_m=REACH_SIGMA * field.widest_m)))
+    weight = np.exp(terms[:, 0, :] - terms[:, 0, :].max())
+    weight /= weight.sum()
+    share, level = np.array(field.model.clutter_share), np.array(field.model.detection_level)
+    return float(weight.sum(axis=0) @ share), float(weight.sum(axis=1) @ level)
+
+
+def _log_terms(field: Field, poses: Poses, matches: Matches) -> FloatArray:
+    """Return eq. (6.7) for every detection level, pose and clutter share (levels, k, s)."""
     model, scene = field.model, field.scene
     share, levels = np.array(model.clutter_share), np.array(model.detection_level)
     weights = matches.at_levels(levels)
@@ -101,10 +119,7 @@ def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
     by_mark = _log_products(weights, matches.pose, matches.mark, len(scene.z), share, len(poses))
     terms = np.minimum(by_target, by_mark) + _log_missed(field, poses, levels)[:, :, None]
     terms += len(scene.rho) * (1.0 - share + np.log(share))
-    stacked = np.moveaxis(terms, 1, 0).reshape(len(poses), -1)
-    top = stacked.max(axis=1)
-    mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
-    return mean
+    return terms
 
 
 def _log_products(
