@@ -54,7 +54,7 @@ def _summed(component: IntArray, values: FloatArray) -> FloatArray:
 
 
 def with_components(damper: Damper, descended: Descended) -> Judged:
-    """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (8.8).
+    """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (10.8).
 
     Each component starts at 1 with ``prior_dof`` degrees of freedom behind it, so that few residuals change little.
     Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those of the
@@ -106,7 +106,7 @@ def _memory(found: Judged) -> FloatArray:
 
 
 def reference_deviation(found: Judged) -> tuple[float, float]:
-    """Return sigma0 of the errors that stay, and its degrees of freedom with those of the priors; eq. (8.9)."""
+    """Return sigma0 of the errors that stay, and its degrees of freedom with those of the priors; eq. (10.9)."""
     stays = [STEADY_RANGE, STEADY_BEARING, OFFSET]
     prior = found.damper.plan.window.model.prior_dof
     dof = float(np.sum(prior + found.redundancy[stays]))

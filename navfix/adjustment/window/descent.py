@@ -40,7 +40,7 @@ class Descended:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Damper:
-    """How rows are damped: each sighting by its own norm, the constant errors of each mark by theirs; eq. (8.7).
+    """How rows are damped: each sighting by its own norm, the constant errors of each mark by theirs; eq. (10.7).
 
     ``taking_part`` (M,): marks that are left in.
     """
