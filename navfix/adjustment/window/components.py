@@ -39,8 +39,9 @@ class Judged:
 
 def judged(damper: Damper, descended: Descended, memory: FloatArray | None = None) -> Judged:
     """Assess a solution: partial redundancies r_g = sum of w (1 - w a'Qa) and squared residuals by component."""
-    matrix, _, rows, weights, _ = normal_of(damper, descended.state)
-    cofactor = inverse_of(matrix)
+    rows = damper.rows(descended.state)
+    _, weights = damper.judge(rows.residual)
+    cofactor = inverse_of(normal_of(damper, rows, weights)[0])
     around = cofactor[rows.columns[:, :, None], rows.columns[:, None, :]]
     lever = np.einsum("ri,rij,rj->r", rows.values, around, rows.values, optimize=True)
     w = weights.row
