@@ -51,7 +51,7 @@ class DeadReckoner:
 
     References
     ----------
-    Theory 8, eq. (8.12) and (8.13).
+    Theory 10, eq. (10.12) and (10.13).
     """
 
     def __init__(self, motion: OwnMotionModel | str = "own_ship") -> None:
@@ -143,7 +143,7 @@ def _heading(epoch: Epoch, fix: Fix) -> tuple[float | None, float]:
 
 
 def _carried(track: _Track, epoch: Epoch, at: datetime, motion: OwnMotionModel) -> _Track:
-    """Return the track at an epoch: turned by the gyro, moved by log and current or by its velocity; eq. (8.12)."""
+    """Return the track at an epoch: turned by the gyro, moved by log and current or by its velocity; eq. (10.12)."""
     step_s = (at - track.at).total_seconds()
     if step_s <= 0.0:
         return track
@@ -226,7 +226,7 @@ def _log_found(track: _Track, epoch: Epoch) -> _Track:
 
 
 def _updated(track: _Track, epoch: Epoch, fix: Fix, at: datetime, motion: OwnMotionModel) -> _Track | None:
-    """Return the track after a fix of the same instant, None where the fix contradicts it; eq. (8.13)."""
+    """Return the track after a fix of the same instant, None where the fix contradicts it; eq. (10.13)."""
     assert isinstance(fix.position, Position)
     measured = track.plane.to_plane(fix.position)
     whole = fix.covariance[:2, :2]

@@ -54,7 +54,7 @@ def smooth(
 
     References
     ----------
-    Theory 8, eq. (8.11).
+    Theory 10, eq. (10.11).
     """
     radar, kernel, motion = radar_model(radar), catalog.kernel(kernel), own_motion_model(motion)
     if len(fixes) != len(epochs):

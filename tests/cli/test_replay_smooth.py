@@ -12,7 +12,7 @@ from navfix.cli import main
 
 def test_the_smoothed_log_is_complete_and_better(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
     logs = repository / "data" / "logs"
-    argv = ["replay", str(logs / "approach.nmea"), "--truth", str(logs / "approach_truth.csv"), "--every", "6"]
+    argv = ["replay", str(logs / "approach.nmea"), "--truth", str(logs / "approach_truth.csv"), "--every", "9"]
     assert main(argv) == 0
     plain = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert main([*argv, "--smooth"]) == 0

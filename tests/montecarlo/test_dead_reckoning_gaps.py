@@ -81,7 +81,7 @@ class Voyage:
 
 @pytest.mark.parametrize(("sensors", "gap_s"), [(True, 300.0), (False, 60.0)])
 def test_the_ellipse_after_a_gap_holds_what_it_states(sensors: bool, gap_s: float) -> None:
-    check(sensors, gap_s, 40)
+    check(sensors, gap_s, 30)
 
 
 @pytest.mark.study

@@ -93,7 +93,7 @@ def adjust_window(
 
     References
     ----------
-    Theory 8, eq. (8.1) to (8.10).
+    Theory 10, eq. (10.1) to (10.10).
     """
     radar, kernel = radar_model(radar), catalog.kernel(kernel)
     solved = solve_window(

@@ -39,8 +39,9 @@ class Judged:
 
 def judged(damper: Damper, descended: Descended, memory: FloatArray | None = None) -> Judged:
     """Assess a solution: partial redundancies r_g = sum of w (1 - w a'Qa) and squared residuals by component."""
-    matrix, _, rows, weights, _ = normal_of(damper, descended.state)
-    cofactor = inverse_of(matrix)
+    rows = damper.rows(descended.state)
+    _, weights = damper.judge(rows.residual)
+    cofactor = inverse_of(normal_of(damper, rows, weights)[0])
     around = cofactor[rows.columns[:, :, None], rows.columns[:, None, :]]
     lever = np.einsum("ri,rij,rj->r", rows.values, around, rows.values, optimize=True)
     w = weights.row
@@ -54,7 +55,7 @@ def _summed(component: IntArray, values: FloatArray) -> FloatArray:
 
 
 def with_components(damper: Damper, descended: Descended) -> Judged:
-    """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (8.8).
+    """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (10.8).
 
     Each component starts at 1 with ``prior_dof`` degrees of freedom behind it, so that few residuals change little.
     Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those of the
@@ -106,7 +107,7 @@ def _memory(found: Judged) -> FloatArray:
 
 
 def reference_deviation(found: Judged) -> tuple[float, float]:
-    """Return sigma0 of the errors that stay, and its degrees of freedom with those of the priors; eq. (8.9)."""
+    """Return sigma0 of the errors that stay, and its degrees of freedom with those of the priors; eq. (10.9)."""
     stays = [STEADY_RANGE, STEADY_BEARING, OFFSET]
     prior = found.damper.plan.window.model.prior_dof
     dof = float(np.sum(prior + found.redundancy[stays]))

@@ -17,6 +17,7 @@ ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-6  # sigma: the last step of a descent
 _ITERATIONS = 40
 _LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
 _SMALLEST, _LARGEST = 1e-9, 1e9
+_STANDS_STILL = 1e-6  # sigma: a step as short as this that does not help is one of rounding
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +41,7 @@ class Descended:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Damper:
-    """How rows are damped: each sighting by its own norm, the constant errors of each mark by theirs; eq. (8.7).
+    """How rows are damped: each sighting by its own norm, the constant errors of each mark by theirs; eq. (10.7).
 
     ``taking_part`` (M,): marks that are left in.
     """
@@ -83,10 +84,8 @@ class Damper:
         return total, Weights(by_sighting, by_mark, row)
 
 
-def normal_of(damper: Damper, state: FloatArray) -> tuple[Any, FloatArray, Rows, Weights, float]:
-    """Return A'WA, A'Wv, rows, weights and loss at a state; A'WA is dense for few unknowns and sparse for many."""
-    rows = damper.rows(state)
-    loss, weights = damper.judge(rows.residual)
+def normal_of(damper: Damper, rows: Rows, weights: Weights) -> tuple[Any, FloatArray]:
+    """Return A'WA and A'Wv of rows with their weights; A'WA is dense for few unknowns and sparse for many."""
     size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
     products = (rows.values[:, :, None] * weighted[:, None, :]).ravel()
     columns = rows.columns.ravel()
@@ -98,7 +97,7 @@ def normal_of(damper: Damper, state: FloatArray) -> tuple[Any, FloatArray, Rows,
         from scipy.sparse import coo_matrix
 
         matrix = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
-    return matrix, np.asarray(gradient, np.float64), rows, weights, loss
+    return matrix, np.asarray(gradient, np.float64)
 
 
 def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, iterations: int = _ITERATIONS) -> Descended:
@@ -108,18 +107,21 @@ def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, itera
     ------
     Unobservable : the normal matrix is singular
     """
-    state, mu, length, count = np.array(start, np.float64), 1e-9, np.inf, 0
-    matrix, gradient, _, _, loss = normal_of(damper, state)
+    state, mu, length, count = np.array(start, np.float64), _SMALLEST, np.inf, 0
+    rows = damper.rows(state)
+    loss, weights = damper.judge(rows.residual)
+    matrix, gradient = normal_of(damper, rows, weights)
     while count < iterations and length > tolerance and mu < _LARGEST:
         count += 1
         step = -solve_normal(matrix, gradient, mu)
         length = float(np.sqrt(max(-float(gradient @ step), 0.0)))
-        tried = state + step
-        after, _ = damper.judge(damper.rows(tried).residual)
+        rows = damper.rows(state + step)
+        after, weights = damper.judge(rows.residual)
         if after <= loss * (1.0 + 1e-12) + 1e-12:
-            state, mu = tried, max(mu * 0.1, _SMALLEST)
-            matrix, gradient, _, _, loss = normal_of(damper, state)
-        elif length < 1e-6:
+            state, loss, mu = state + step, after, max(mu * 0.1, _SMALLEST)
+            if length > tolerance:
+                matrix, gradient = normal_of(damper, rows, weights)
+        elif length < _STANDS_STILL:
             break
         else:
             mu, length = max(mu * 10.0, 1e-4), np.inf

@@ -43,7 +43,7 @@ def _connected(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]
 
 
 def _turns(window: Window, layout: Layout, state: FloatArray) -> Part:
-    """The turn of a step: that of the gyro, whose constant error cancels, else a walk about none; eq. (8.4)."""
+    """The turn of a step: that of the gyro, whose constant error cancels, else a walk about none; eq. (10.4)."""
     model, step_s = window.model, np.diff(window.time_s)
     turned = gyro_steps(window)
     told = np.isfinite(turned)
@@ -61,8 +61,10 @@ def _turns(window: Window, layout: Layout, state: FloatArray) -> Part:
 
 
 def _by_log(window: Window, layout: Layout, state: FloatArray) -> Part:
-    """Displacement = speed by log along the heading + current; eq. (8.5). The current is an unknown of the window."""
+    """Displacement = speed by log along the heading + current; eq. (10.5). The current is an unknown of the window."""
     use = np.flatnonzero(logged(window))
+    if not len(use):
+        return np.zeros(0), *_empty(0)
     poses, step_s = layout.poses(state), np.diff(window.time_s)[use]
     log, spread = window.own.log_mps, window.global_sigma
     turn = wrap_pi(poses[use + 1, 2] - poses[use, 2])
@@ -88,10 +90,12 @@ def _by_log(window: Window, layout: Layout, state: FloatArray) -> Part:
 
 
 def _by_inertia(window: Window, layout: Layout, state: FloatArray) -> Part:
-    """Without a log the velocity wanders: its change over three epochs is that of a Wiener process; eq. (8.6)."""
+    """Without a log the velocity wanders: its change over three epochs is that of a Wiener process; eq. (10.6)."""
     model, step_s, joined = window.model, np.diff(window.time_s), _connected(window)
     by_log = logged(window)
     use = np.flatnonzero(joined[1:] & joined[:-1] & ~(by_log[1:] & by_log[:-1]))
+    if not len(use):
+        return np.zeros(0), *_empty(0)
     before, after = step_s[use], step_s[use + 1]
     sigma = model.velocity_walk_mps * np.sqrt((before + after) / (3.0 * model.walk_time_s))
     poses, parts = layout.poses(state), []
@@ -110,6 +114,8 @@ def _first_speed(window: Window, layout: Layout, state: FloatArray) -> Part:
     """A ship's speed is known beforehand within the fastest of ships: one row per axis where no log tells it."""
     step_s = np.diff(window.time_s)
     use = np.flatnonzero(_connected(window) & ~logged(window))[:1]
+    if not len(use):
+        return np.zeros(0), *_empty(0)
     poses, parts = layout.poses(state), []
     for axis in (0, 1):
         per = 1.0 / (step_s[use] * window.model.own_speed_sigma_mps)

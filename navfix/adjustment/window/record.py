@@ -112,7 +112,7 @@ def _association(epochs: Sequence[Epoch], sightings: Sequence[Sighting], at: int
 def _observations(
     sightings: Sequence[Sighting], window: Window, found: Judged, at: int | None
 ) -> tuple[AdjustedObservation, ...]:
-    """Return range and bearing of each track: mean residual over the window against the mark as given; eq. (8.10).
+    """Return range and bearing of each track: mean residual over the window against the mark as given; eq. (10.10).
 
     With ``at`` only the tracks of that epoch, as observed there.
     """

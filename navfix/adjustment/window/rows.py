@@ -68,7 +68,7 @@ class Plan:
         return slice(first, first + 2 * (self.layout.marks + self.layout.tracks))
 
     def rows(self, state: FloatArray, components: FloatArray) -> Rows:
-        """Return all rows at a state; eq. (8.1) to (8.6)."""
+        """Return all rows at a state; eq. (10.1) to (10.6)."""
         radar_v, radar_a = radar_rows(self.window, self.layout, state)
         move_v, _, move_a, _ = motion_rows(self.window, self.layout, state)
         given_a = np.zeros((self.layout.size - self.layout.shared, WIDTH))
@@ -90,7 +90,7 @@ def _radar_columns(window: Window, layout: Layout) -> IntArray:
 
 
 def radar_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return residuals (2 k,) in units of sigma and derivatives (2 k, 8); eq. (8.1) and (8.2)."""
+    """Return residuals (2 k,) in units of sigma and derivatives (2 k, 8); eq. (10.1) and (10.2)."""
     seen, shared = window.seen, state[layout.shared : layout.shared + 5]
     spread = window.global_sigma
     pose = layout.poses(state)[seen.epoch]
@@ -121,7 +121,7 @@ def radar_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[Float
 
 
 def radar_sigma(window: Window) -> FloatArray:
-    """Return 1 sigma (k, 2) of what is new in each sighting, m and rad: radar, and the mark's age; eq. (8.3)."""
+    """Return 1 sigma (k, 2) of what is new in each sighting, m and rad: radar, and the mark's age; eq. (10.3)."""
     seen = window.seen
     at_distance = seen.fresh_m / np.maximum(seen.value[:, 0], 50.0)
     return np.column_stack([np.hypot(seen.sigma[:, 0], seen.fresh_m), np.hypot(seen.sigma[:, 1], at_distance)])
