@@ -56,7 +56,7 @@ class AisModel:
     """How far a report of one AIS class can be trusted, 1 sigma per axis, and how that grows with its age.
 
     Sigma of the report itself by its accuracy flag; of the time of the report (``clock_sigma_s``) and of the speed of a
-    moving ship; how its path spreads (theory, eq. 8.5): as a share of the way in general, by its turning, by the
+    moving ship; how its path spreads (theory, eq. 13.5): as a share of the way in general, by its turning, by the
     unsteadiness of its course, each a share without unit; how a still ship drifts, at most to its swing. Reports older
     than ``oldest_*_s`` are dropped.
     """

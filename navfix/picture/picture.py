@@ -22,6 +22,7 @@ from navfix.nmea.records import (
 )
 from navfix.picture.charted import ChartedMarks
 from navfix.picture.choice import choose
+from navfix.picture.motion import DEFAULT
 from navfix.picture.scans import Scan, ScanBuilder
 from navfix.picture.traffic import Traffic
 from navfix.picture.turn import TurnMotion
@@ -45,12 +46,13 @@ class Picture:
     ----------
     radar : sigma of range [m] and bearing [deg]; the rounding of the sentences is added
     charted : marks from a chart; those in reach join every epoch, and AIS aids are checked with them
+    motion : the model that carries moving ships from their reports to the instant (`navfix.picture.motion.MODELS`)
     """
 
-    def __init__(self, *, radar: RadarModel | str = "imo", charted: Iterable[Mark] = ()) -> None:
+    def __init__(self, *, radar: RadarModel | str = "imo", charted: Iterable[Mark] = (), motion: str = DEFAULT) -> None:
         self._radar = radar_model(radar)
         self._charted = ChartedMarks(charted)
-        self._traffic = Traffic()
+        self._traffic = Traffic(motion=motion)
         self._scans = ScanBuilder()
         self._turn = TurnMotion()
         self._heading: OwnHeading | None = None
@@ -157,6 +159,7 @@ def epochs(
     at: datetime | None = None,
     last: bool = False,
     every: int = 1,
+    motion: str = DEFAULT,
 ) -> Iterator[Epoch]:
     """Yield an epoch for each complete radar scan of a log.
 
@@ -168,13 +171,14 @@ def epochs(
     at : only the newest scan that is complete at this time
     last : only the newest scan of all
     every : only every n-th scan
+    motion : the model that carries moving ships
     """
     if last:
         records = tuple(records)
         at = _last_scan_time(records)
         if at is None:
             return
-    picture = Picture(radar=radar, charted=charted)
+    picture = Picture(radar=radar, charted=charted, motion=motion)
     newest: Epoch | None = None
     for count, scan in enumerate(scans(picture, records)):
         if at is None:

@@ -27,9 +27,9 @@ class ClockOffset:
     def __init__(self, *, span_s: float = SPAN_S) -> None:
         self._errors = CommonErrors(_column, span_s=span_s, least_marks=LEAST_SHIPS, least_separable=LEAST_SEPARABLE)
 
-    def feed(self, fix: Fix) -> None:
-        """Take a fix made with the marks as they are (not shifted by `with_offset`)."""
-        self._errors.feed(fix)
+    def feed(self, fix: Fix, *, applied_s: float = 0.0) -> None:
+        """Take a fix, whose marks `with_offset` has set back by ``applied_s``."""
+        self._errors.feed(fix, applied=applied_s)
 
     def estimate(self) -> CommonError | None:
         """Return the offset [s], None before any fix."""

@@ -2,7 +2,7 @@
 
 Each fix gives l = A dx + a tau + noise: misclosures, design matrix, and the column of the common error. The pose is
 eliminated fix by fix; what is left of ``a`` adds up. Errors of one ship (its hull, its AIS antenna, its clock) last, so
-its contributions are one voice: the variance is taken from how the ships scatter (theory, eq. 8.10 to 8.13).
+its contributions are one voice: the variance is taken from how the ships scatter (theory, eq. 13.10 to 13.13).
 """
 
 from __future__ import annotations
@@ -62,14 +62,16 @@ class CommonErrors:
         self._span_s, self._least_marks, self._least_separable = span_s, least_marks, least_separable
         self._shares: deque[_Share] = deque()
 
-    def feed(self, fix: Fix) -> None:
-        """Take a fix; one without an epoch or a time, or in a plane of its own, says nothing."""
+    def feed(self, fix: Fix, *, applied: float = 0.0) -> None:
+        """Take a fix, from whose data ``applied`` of the error was taken off.
+
+        A fix without an epoch or a time, or in a plane of its own, says nothing.
+        """
         epoch = fix.epoch
         if epoch is None or epoch.time_utc is None or not isinstance(fix.position, Position):
             return
-        share = _share_of(
-            fix, fix.position, {m.label: m for m in epoch.marks}, self._column, epoch.time_utc.timestamp()
-        )
+        marks = {mark.label: mark for mark in epoch.marks}
+        share = _share_of(fix, fix.position, marks, self._column, applied, epoch.time_utc.timestamp())
         if share is not None:
             self._shares.append(share)
         while self._shares and self._shares[-1].time_s - self._shares[0].time_s > self._span_s:
@@ -111,7 +113,9 @@ def student_quantile(probability: float, dof: int) -> float:
     return float(stdtrit(dof, probability))
 
 
-def _share_of(fix: Fix, position: Position, marks: dict[str, Mark], column: Column, time_s: float) -> _Share | None:
+def _share_of(
+    fix: Fix, position: Position, marks: dict[str, Mark], column: Column, applied: float, time_s: float
+) -> _Share | None:
     rows, labels = [], []
     plane = LocalPlane(position)
     for o in fix.observations:
@@ -123,7 +127,8 @@ def _share_of(fix: Fix, position: Position, marks: dict[str, Mark], column: Colu
         unit = 1.0 if o.unit == "m" else math.radians(1.0)
         root = math.sqrt(o.weight) / (o.sigma * unit)
         design = _design(o, range_m, azimuth)
-        rows.append(root * np.array([*design, column(o, mark, range_m, azimuth), -o.residual * unit]))
+        a = column(o, mark, range_m, azimuth)
+        rows.append(root * np.array([*design, a, a * applied - o.residual * unit]))
         labels.append(o.mark)
     if len(rows) < 4:
         return None

@@ -19,9 +19,9 @@ class RangeBias:
     def __init__(self, *, span_s: float = SPAN_S) -> None:
         self._errors = CommonErrors(_column, span_s=span_s, least_marks=LEAST_MARKS, least_separable=LEAST_SEPARABLE)
 
-    def feed(self, fix: Fix) -> None:
-        """Take a fix made with the ranges as they are (not corrected by `with_bias`)."""
-        self._errors.feed(fix)
+    def feed(self, fix: Fix, *, applied_m: float = 0.0) -> None:
+        """Take a fix, from whose ranges `with_bias` has taken off ``applied_m``."""
+        self._errors.feed(fix, applied=applied_m)
 
     def estimate(self) -> CommonError | None:
         """Return the bias [m], None before any fix."""

@@ -29,7 +29,7 @@ from tests.benchmarks.motion_data import Track, real_tracks, simulated_tracks
 AGES_S = (2, 5, 10, 20, 30, 60, 120, 180, 300, 600, 900)
 MOST_PER_STATION = 25
 BOTH_SIDES = ("spline", "smoother")
-SLOW, SLOW_SHARE = ("smoother", "extended", "unscented"), 8  # milliseconds each: run on one sample of eight
+SLOW, SLOW_SHARE = ("smoother", "extended", "unscented"), 20  # milliseconds each: run on one sample of twenty
 BOUND = math.sqrt(-2.0 * math.log(0.05))  # 95 % of two dimensions: 2.448
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "motion_models.md"
 FITTED = (

@@ -12,6 +12,7 @@ import pytest
 from navfix.adjustment import adjust
 from navfix.geodesy import direct, inverse
 from navfix.sequence.clock import ClockOffset, with_offset
+from navfix.sequence.radar_errors import RadarErrors
 from navfix.sequence.range_bias import RangeBias, with_bias
 from navfix.types import Association, Epoch, Fix, Mark, Position, RadarTarget
 
@@ -128,3 +129,28 @@ def test_before_any_fix_there_is_no_estimate_and_nothing_is_applied():
     lone = RangeBias()
     lone.feed(replace(fixes(8, azimuths_deg=RING, epochs=1)[0], epoch=None))
     assert lone.estimate() is None
+
+
+def test_what_is_taken_off_is_counted_in_the_estimate_and_told():
+    errors, off = RadarErrors(), []
+    for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=8):
+        epoch = errors.corrected(fix.epoch)
+        again = adjust(epoch, Association.from_pairs(epoch, fix.association.pairs))
+        off.append(inverse(OWN, again.position)[0])
+        errors.feed(again)
+    clock, ranges = errors.clock.estimate(), errors.ranges.estimate()
+    assert clock.value == pytest.approx(-6.0, abs=3.0 * clock.sigma)
+    assert ranges.value == pytest.approx(80.0, abs=3.0 * ranges.sigma)
+    assert errors.clock.offset_s == clock.value
+    told = errors.notes()
+    assert "radar clock minus AIS: -" in told[0]
+    assert told[0].endswith("applied")
+    assert "range bias: +" in told[1]
+    assert RadarErrors().notes()[0] == "radar clock minus AIS: no fix yet"
+
+
+def test_an_error_that_cannot_be_seen_is_told_as_such():
+    errors = RadarErrors()
+    for fix in fixes(6, azimuths_deg=SECTOR, bias_m=60.0, epochs=2):
+        errors.feed(fix)
+    assert errors.notes()[1].startswith("range bias: not observable (the position explains it")

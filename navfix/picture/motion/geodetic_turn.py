@@ -29,7 +29,7 @@ def metres_per_degree(lat_deg: FloatArray | float) -> tuple[FloatArray, FloatArr
 
 
 def propagate(state: FloatArray, time_s: float, persist_s: float = math.inf) -> FloatArray:
-    """Move states (..., 5) [deg, deg, m/s, rad, rad/s] on by ``time_s`` along their arcs (theory, eq. 8.7).
+    """Move states (..., 5) [deg, deg, m/s, rad, rad/s] on by ``time_s`` along their arcs (theory, eq. 13.7).
 
     The rate of turn fades with the time constant ``persist_s``; the source's fades never.
     """

@@ -13,7 +13,7 @@ WIDEST_RAD = 1.5  # beyond this the direction is as good as unknown
 
 
 def step_sigma_m(steers: Steering, age_s: float, model: AisModel) -> float:
-    """Return the sigma per axis [m] that carrying a moving ship by ``age_s`` adds (theory, eq. 8.5).
+    """Return the sigma per axis [m] that carrying a moving ship by ``age_s`` adds (theory, eq. 13.5).
 
     The time of the report is uncertain; speed errors grow with age; the path spreads, more for a ship that is turning
     or whose course scattered in the last minute. A short history does not know that scatter: a typical one is taken.

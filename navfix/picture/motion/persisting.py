@@ -23,7 +23,7 @@ def carry(past: History, at_s: float, model: AisModel) -> Carried:
 
 
 def faded(constants: PersistingModel, steers: Steering, age_s: float) -> tuple[float, float]:
-    """Return the step (north, east) [m] (theory, eq. 8.1 to 8.3), by Gauss-Legendre quadrature in two panels."""
+    """Return the step (north, east) [m] (theory, eq. 13.1 to 13.3), by Gauss-Legendre quadrature in two panels."""
     bend_s = math.copysign(min(abs(age_s), _FADED * constants.speed_persist_s), age_s)
     north_m = east_m = 0.0
     for start_s, end_s in ((0.0, bend_s), (bend_s, age_s)):

@@ -62,7 +62,7 @@ def transform(
     """Return the moments of ``function``, which takes points (k, n) to (k, m).
 
     With d_i = y_i - y_0 the printed sums become mean = y_0 + m, covariance = sum w d d' + (beta - alpha^2) m m' with
-    m = sum w d, the centre left out: nothing large cancels, so that a tiny alpha does no harm (theory, eq. 8.9).
+    m = sum w d, the centre left out: nothing large cancels, so that a tiny alpha does no harm (theory, eq. 13.9).
     """
     scales = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     argument = points(np.zeros_like(mean), covariance / np.outer(scales, scales), scaling.spread(len(mean))) * scales
