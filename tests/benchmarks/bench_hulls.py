@@ -28,12 +28,11 @@ from navfix.picture.hull import Size, echo, hull_shift, size_of
 from navfix.picture.kalman import predict, start, update
 from navfix.picture.outlines import Outline, hull_centre
 from navfix.report.truth import TruthTrack
-from navfix.types import Epoch, Fix, FloatArray, Position
-from navfix.units import KNOT_MPS, wrap_180
+from navfix.types import Association, Epoch, Fix, FloatArray, Position
+from navfix.units import KNOT_MPS
 
 LENGTH_M, BEAM_M, CENTRE_M = 249.0, 44.0, np.array([4000.0, 4000.0])
 RECORDINGS = Path(__file__).resolve().parents[3] / "shared" / "data"
-BESIDE_CHANCE = 5.991  # 95 % of a chi-square of two
 
 
 @dataclass(frozen=True)
@@ -200,10 +199,10 @@ def at_antenna(epoch: Epoch) -> Epoch:
     return replace(epoch, marks=tuple(marks))
 
 
-METHODS: dict[str, Callable[[Epoch], Fix]] = {
-    "antenna": lambda e: adjust(at_antenna(e), associate(e)),
-    "centre": lambda e: adjust(e, associate(e)),
-    "visible side": lambda e: adjust_visible_side(e, associate(e)),
+METHODS: dict[str, Callable[[Epoch, Association], Fix]] = {
+    "antenna": lambda epoch, pairs: adjust(at_antenna(epoch), pairs),
+    "centre": lambda epoch, pairs: adjust(epoch, pairs),
+    "visible side": lambda epoch, pairs: adjust_visible_side(epoch, pairs),
 }
 
 
@@ -213,44 +212,45 @@ def sized_only(epoch: Epoch) -> Epoch:
     return replace(epoch, marks=tuple(sized))
 
 
-def on_recordings() -> Iterator[tuple[str, ...]]:
+def on_recordings(sparser: int = 3) -> Iterator[tuple[str, ...]]:
     yield ("recording", "marks", "point", "fixes", "median m", "95 % m", "ellipse holds %")
     for name, every in (
         ("semi_real/dense_sf", 10), ("semi_real/coastal_hakefjord", 5), ("semi_real/moored_harlingen_atons", 1),
-        ("marce/marce_01_010", 3), ("marce/marce_01_004", 1),
+        ("marce/marce_01_010", 2), ("marce/marce_01_004", 1),
     ):  # fmt: skip
         if not (RECORDINGS / f"{name}.nmea").is_file():
             continue
         with (RECORDINGS / f"{name}_truth.csv").open() as lines:
             track = TruthTrack.parse(lines)
-        seen = list(epochs(read_log(RECORDINGS / f"{name}.nmea").records, every=every))
+        seen = list(epochs(read_log(RECORDINGS / f"{name}.nmea").records, every=every * sparser))
         for which, keep in (("all", lambda e: e), ("size known", sized_only)):
-            for method, solve in METHODS.items():
-                rows = list(_errors((keep(e) for e in seen), solve, track))
-                if len(rows) < 10:
-                    continue
-                errors_m, inside = np.array([r[0] for r in rows]), np.mean([r[1] for r in rows])
+            rows = [row for epoch in seen if (row := _errors(keep(epoch), track)) is not None]
+            for method in METHODS if len(rows) >= 10 else ():
+                errors_m, inside = np.array([row[method][0] for row in rows]), np.mean([row[method][1] for row in rows])
                 middle, most = np.percentile(errors_m, [50, 95])
                 yield (name, which, method, str(len(rows)), f"{middle:.1f}", f"{most:.1f}", f"{100 * inside:.0f}")
 
 
-def _errors(seen: Iterator[Epoch], solve: Callable[[Epoch], Fix], track: TruthTrack) -> Iterator[tuple[float, bool]]:
-    for epoch in seen:
-        truth = track.at(epoch.time_utc.timestamp()) if epoch.time_utc else None
-        if truth is None:
-            continue
-        try:
-            found = solve(epoch)
-        except NoFix:
-            continue
-        assert isinstance(found.position, Position)
-        error_m, azimuth_deg = inverse(found.position, truth.position)
-        ellipse = found.ellipse(0.95)
-        off = math.radians(wrap_180(azimuth_deg - ellipse.azimuth_deg))
-        ratio = math.hypot(
-            error_m * math.cos(off) / ellipse.semi_major_m, error_m * math.sin(off) / ellipse.semi_minor_m
-        )
-        yield error_m, ratio <= 1.0
+def _errors(epoch: Epoch, track: TruthTrack) -> dict[str, tuple[float, bool]] | None:
+    """Return error [m] and whether the 95 % ellipse holds the truth, by method, all from the same pairs."""
+    truth = track.at(epoch.time_utc.timestamp()) if epoch.time_utc else None
+    if truth is None:
+        return None
+    try:
+        pairs = associate(epoch)
+        return {method: _error(solve(epoch, pairs), truth.position) for method, solve in METHODS.items()}
+    except NoFix:
+        return None
+
+
+def _error(found: Fix, truth: Position) -> tuple[float, bool]:
+    assert isinstance(found.position, Position)
+    error_m, azimuth_deg = inverse(found.position, truth)
+    ellipse = found.ellipse(0.95)
+    off = math.radians(azimuth_deg - ellipse.azimuth_deg)
+    return error_m, math.hypot(
+        error_m * math.cos(off) / ellipse.semi_major_m, error_m * math.sin(off) / ellipse.semi_minor_m
+    ) <= 1.0
 
 
 # ------------------------------------------------------------------------------------------------------------- output
