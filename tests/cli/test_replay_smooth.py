@@ -3,31 +3,42 @@
 from __future__ import annotations
 
 import json
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from navfix.cli import main
 
+Rows = list[dict[str, Any]]
 
-def test_the_smoothed_log_is_complete_and_better(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
+
+@pytest.fixture(scope="module")
+def replayed(repository: Path) -> dict[str, Rows]:
     logs = repository / "data" / "logs"
-    argv = ["replay", str(logs / "approach.nmea"), "--truth", str(logs / "approach_truth.csv"), "--every", "9"]
-    assert main(argv) == 0
-    plain = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert main([*argv, "--smooth"]) == 0
-    smooth = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
-    assert [row["time_utc"] for row in smooth] == [row["time_utc"] for row in plain]
-    errors = [[row["truth"]["distance_m"] for row in rows if row["status"] == "fix"] for rows in (plain, smooth)]
+    argv = ["replay", str(logs / "approach.nmea"), "--truth", str(logs / "approach_truth.csv"), "--every", "6"]
+    found = {}
+    for name, more in (("alone", []), ("smooth", ["--smooth"])):
+        out = StringIO()
+        with redirect_stdout(out):
+            assert main([*argv, *more]) == 0
+        found[name] = [json.loads(line) for line in out.getvalue().splitlines()]
+    return found
+
+
+def test_the_smoothed_log_is_complete_and_better(replayed: dict[str, Rows]) -> None:
+    alone, smooth = replayed["alone"], replayed["smooth"]
+    assert [row["time_utc"] for row in smooth] == [row["time_utc"] for row in alone]
+    errors = [[row["truth"]["distance_m"] for row in rows if row["status"] == "fix"] for rows in (alone, smooth)]
     assert len(errors[1]) >= len(errors[0]) > 3
     assert sum(errors[1]) / len(errors[1]) < 0.8 * sum(errors[0]) / len(errors[0])
     assert any(note.startswith("window of ") for note in smooth[-1]["notes"])
 
 
-def test_three_positions_stand_apart_in_every_line(repository: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    log = repository / "data" / "logs" / "approach.nmea"
-    assert main(["replay", str(log), "--every", "10"]) == 0
-    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+def test_three_positions_stand_apart_in_every_line(replayed: dict[str, Rows]) -> None:
+    rows = replayed["alone"]
     assert rows[0]["dead_reckoning"] is None
     after = [row for row in rows[1:] if row["dead_reckoning"] and row["status"] == "fix"]
     assert after
