@@ -129,6 +129,48 @@ class AssociationModel:
 
 
 @dataclass(frozen=True, slots=True)
+class WindowModel:
+    """Constants of the joint association of a window of scans (see models/window/joint.toml)."""
+
+    name: str
+    title: str
+    source: str
+    bin_s: float
+    gap_s: float
+    jump_m: float
+    fewest_reports: int
+    acceleration_mps2: float
+    heading_walk_deg: float
+    speed_mps: float
+    clock_s: float
+    constant_m: float
+    constant_deg: float
+    white_m: float
+    white_deg: float
+    slope_mps: float
+    mark_drift_mps: float
+    mark_acceleration_mps2: float
+    still_drift_mps: float
+    still_most_m: float
+    scatter_dof: float
+    still_share: float
+    still_mps: float
+    moving_mps: float
+    voting_bins: list[float]
+    velocity_gate_sigma: float
+    pairs: int
+    votes_at_most: int
+    seeds: int
+    finalists: int
+    neighbours: int
+    annealing_rigid: list[float]
+    annealing: list[float]
+    least_evidence: float
+    least_margin: float
+    fewest_marks: int
+
+
+@dataclass(frozen=True, slots=True)
 class CpdModel:
     """Constants of the plain rigid CPD (see models/association/cpd.toml)."""
 
@@ -164,6 +206,11 @@ def ais_model(name: str | AisModel) -> AisModel:
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:
     """Return the constants of the seeded association by name in models/association, or the record itself."""
     return name if isinstance(name, AssociationModel) else _load("association", name, AssociationModel)
+
+
+def window_model(name: str | WindowModel = "joint") -> WindowModel:
+    """Return the constants of the joint association by name in models/window, or the record itself."""
+    return name if isinstance(name, WindowModel) else _load("window", name, WindowModel)
 
 
 def association_method(name: str | AssociationModel | CpdModel) -> AssociationModel | CpdModel:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, Field, Fit, lay_over, likelihood_ratio
+from navfix.association.matchings import log_mean_evidence
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
@@ -55,30 +56,10 @@ def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> 
 
 def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
     """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (6.7)."""
-    model = field.model
-    share = np.array(model.clutter_share)
-    targets = len(field.scene.rho)
-    terms = []
-    for level in model.detection_level:
-        ratio = likelihood_ratio(field, fit, level)
-        missed = _log_missed(field, poses, level)
-        by_target, by_mark = _matching_bounds(ratio, fit, share, len(field.scene.z))
-        matchings = np.minimum(by_target, by_mark)
-        terms.append(matchings + missed[:, None] + targets * (1.0 - share + np.log(share))[None, :])
-    stacked = np.concatenate(terms, axis=1)
-    top = stacked.max(axis=1)
-    mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
-    return mean
-
-
-def _matching_bounds(ratio: FloatArray, fit: Fit, share: FloatArray, marks: int) -> tuple[FloatArray, FloatArray]:
-    """Return two upper bounds (k, s) of ln sum over matchings of prod w_ij / c, for every clutter share (s,)."""
-    poses = len(ratio)
-    by_target = np.log1p(ratio.sum(axis=2)[:, :, None] / share).sum(axis=1)
-    flat = (np.arange(poses)[:, None, None] * marks + fit.mark).ravel()
-    claimed = np.bincount(flat, weights=ratio.ravel(), minlength=poses * marks).reshape(poses, marks)
-    by_mark = np.stack([np.log1p(claimed / s).sum(axis=1) for s in share], axis=1)
-    return by_target, by_mark
+    levels = (
+        (likelihood_ratio(field, fit, level), _log_missed(field, poses, level)) for level in field.model.detection_level
+    )
+    return log_mean_evidence(levels, fit.mark, np.array(field.model.clutter_share), len(field.scene.z))
 
 
 def _log_missed(field: Field, poses: Poses, level: float) -> FloatArray:
