@@ -18,6 +18,9 @@ from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
 
 
+LOOSE_M, LOOSE_RAD = 3000.0, 0.5  # how far a motion without any mark may wander from where it started
+
+
 @dataclass(frozen=True, eq=False)
 class Knots:
     """Own motion, k of them: places ``p`` [m, complex] and ``heading_rad`` (k, K), ``clock_s`` (k,)."""
@@ -109,10 +112,13 @@ class MotionPrior:
 
     @property
     def full_information(self) -> FloatArray:
-        """Information (d, d) with that of the pose."""
+        """Information (d, d) with that of the pose; of an unknown one a trace, so that a motion without marks stays."""
+        full = self.information.copy()
         if self.pose is None:
-            return self.information
-        full, at = self.information.copy(), 3 * self.pose.knot
+            at = 3 * self.gauge
+            full[at : at + 3, at : at + 3] += np.diag(1.0 / np.array([LOOSE_M, LOOSE_M, LOOSE_RAD]) ** 2)
+            return full
+        at = 3 * self.pose.knot
         full[at : at + 3, at : at + 3] += np.linalg.inv(self.pose.covariance)
         return full
 
