@@ -156,6 +156,8 @@ class WindowModel:
     still_share: float
     still_mps: float
     moving_mps: float
+    jumping_share: float
+    jumping_mps: float
     voting_bins: list[float]
     velocity_gate_sigma: float
     pairs: int

@@ -149,8 +149,7 @@ def _clutter_weight(field: WindowField, expected: Expectation) -> FloatArray:
     weight = np.zeros((*expected.on_clutter.shape, scene.knots, 2))
     if scene.knots == 1:
         return weight
-    still_m2, moving_m2 = field.line_m2
-    line = clutter.still[..., None] / still_m2 + (1.0 - clutter.still[..., None]) / moving_m2
+    line = (clutter.kind[..., None] / field.line_m2[:, None]).sum(axis=0)
     weight[..., 1, :] = expected.on_clutter[..., None] * line
     weight[..., 2:, :] = (expected.on_clutter * clutter.scatter_weight)[..., None, None] / scene.white_m2[None, :, None, :]
     return np.where(scene.used[None, :, :, None], weight, 0.0)

@@ -57,11 +57,16 @@ class WindowField:
         return mean
 
     @cached_property
-    def line_m2(self) -> tuple[FloatArray, FloatArray]:
-        """Variances (m, 2) of the line of clutter, still and moving [m^2]."""
-        spread = self.scene.spread_s2[:, None]
-        white = self.scene.white_m2
-        return white + spread * self.model.still_mps**2, white + spread * self.model.moving_mps**2
+    def line_m2(self) -> FloatArray:
+        """Variances (3, m, 2) of the line of clutter: still, moving and jumping [m^2]."""
+        speed = np.array([self.model.still_mps, self.model.moving_mps, self.model.jumping_mps])
+        return self.scene.white_m2[None] + self.scene.spread_s2[None, :, None] * speed[:, None, None] ** 2
+
+    @cached_property
+    def line_share(self) -> FloatArray:
+        """Shares (3,) of clutter that stands, moves and jumps."""
+        still, jumping = self.model.still_share, self.model.jumping_share
+        return np.array([still, 1.0 - still - jumping, jumping])
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,27 +148,27 @@ def _variance(field: WindowField, mark: IntArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Clutter:
-    """Tracks as clutter at k motions: ``log_density`` (k, m) of line and scatter, ``still`` (k, m) share that stands,
-    ``scatter_weight`` (k, m) of the robust scatter."""
+    """Tracks as clutter at k motions.
+
+    ``log_density`` (k, m) of line and scatter; ``kind`` (3, k, m) shares that stand, move and jump; ``scatter_weight``
+    (k, m) of the robust scatter.
+    """
 
     log_density: FloatArray
-    still: FloatArray
+    kind: FloatArray
     scatter_weight: FloatArray
 
 
 def as_clutter(field: WindowField, path: FloatArray) -> Clutter:
     """Return how well every track's own way over ground (k, m, s, 2) fits an echo that is no mark."""
-    scene, model = field.scene, field.model
+    scene = field.scene
     log_scatter, weight = _scatter(field, path, np.broadcast_to(scene.white_m2[None, :, None, :], path.shape))
     if scene.knots == 1:
-        return Clutter(log_scatter, np.zeros_like(log_scatter), weight)
-    still, moving = (
-        np.log(share) + _log_normal(path[..., 1, :], variance[None])
-        for share, variance in zip((model.still_share, 1.0 - model.still_share), field.line_m2, strict=True)
-    )
-    both = np.logaddexp(still, moving)
-    log_line = np.where(field.has_line[None], both, 0.0)
-    return Clutter(log_line + log_scatter, np.where(field.has_line[None], np.exp(still - both), 0.0), weight)
+        return Clutter(log_scatter, np.zeros((3, *log_scatter.shape)), weight)
+    by_kind = np.log(field.line_share)[:, None, None] + _log_normal(path[None, ..., 1, :], field.line_m2[:, None])
+    log_line = np.where(field.has_line[None], np.logaddexp.reduce(by_kind, axis=0), 0.0)
+    kind = np.where(field.has_line[None, None], np.exp(by_kind - log_line[None]), 0.0)
+    return Clutter(log_line + log_scatter, kind, weight)
 
 
 def log_fit(field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False) -> tuple[FloatArray, FloatArray]:

@@ -51,8 +51,8 @@ def paths_of(epochs: Sequence[Epoch], origin: Position, knot_s: FloatArray, mode
     names = list(histories)
     z, v, aged = np.zeros((len(names), len(knot_s)), complex), np.zeros((len(names), len(knot_s)), complex), []
     for row, name in enumerate(names):
-        z[row], v[row], age_s = _between(histories[name][0], knot_s)
-        aged.append(_aged_m(v[row], age_s, model))
+        z[row], v[row], age_s, apart_m = _between(histories[name][0], knot_s)
+        aged.append(np.hypot(_aged_m(v[row], age_s, model), apart_m))
     return MarkPaths(
         tuple(histories[name][1] for name in names),
         z,
@@ -111,8 +111,11 @@ def _reported_velocity(mark: Mark) -> complex:
     return complex(mark.speed_mps * np.exp(1j * np.radians(mark.course_deg)))
 
 
-def _between(reports: list[_Report], knot_s: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """Return place, velocity and time to the nearest report (K,): a blend of the report before and the one after."""
+def _between(reports: list[_Report], knot_s: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray]:
+    """Return place, velocity, time to the nearest report and doubt [m] (K,): a blend of the reports before and after.
+
+    The doubt is how far the two disagree, where both count.
+    """
     time_s = np.array([r.time_s for r in reports])
     place, velocity = np.array([r.place for r in reports]), np.array([r.velocity for r in reports])
     after = np.clip(np.searchsorted(time_s, knot_s), 0, len(reports) - 1)
@@ -123,7 +126,8 @@ def _between(reports: list[_Report], knot_s: FloatArray) -> tuple[ComplexArray, 
     forward, backward = place[before] + velocity[before] * forward_s, place[after] + velocity[after] * backward_s
     z = (1.0 - weight) * forward + weight * backward
     v = (1.0 - weight) * velocity[before] + weight * velocity[after]
-    return z, v, np.minimum(np.abs(forward_s), np.abs(backward_s))
+    apart_m = 2.0 * weight * (1.0 - weight) * np.abs(forward - backward)
+    return z, v, np.minimum(np.abs(forward_s), np.abs(backward_s)), apart_m
 
 
 def _aged_m(velocity: ComplexArray, age_s: FloatArray, model: WindowModel) -> FloatArray:
