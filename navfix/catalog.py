@@ -170,6 +170,52 @@ class WindowModel:
     least_evidence: float
     least_margin: float
     fewest_marks: int
+    least_probability_wrong: float
+
+
+@dataclass(frozen=True, slots=True)
+class NavigatorModel:
+    """Constants of the navigator over minutes (see models/navigator/default.toml)."""
+
+    name: str
+    title: str
+    source: str
+    kept_s: float
+    window_s: float
+    shortest_window_s: float
+    cold_every_s: float
+    bank_every_s: float
+    birth_windows_s: list[float]
+    places: int
+    births: int
+    birth_evidence: float
+    merge_m: float
+    merge_deg: float
+    drop_behind: float
+    memory_s: float
+    same_m: float
+    sure_evidence: float
+    sure_margin: float
+    sure_marks: int
+    again_evidence: float
+    again_margin: float
+    again_marks: int
+    again_ahead: float
+    least_score: float
+    least_ahead: float
+    prior_factor: float
+    prior_m: float
+    prior_deg: float
+    gap_mps: float
+    gap_degps: float
+    fewest_marks: int
+    lost_m: float
+    apart_m: float
+    lapse_evidence: float
+    lapse_memory_s: float
+    back_evidence: float
+    drop_after_s: float
+    least_probability_wrong: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -213,6 +259,11 @@ def association_model(name: str | AssociationModel = "seeded") -> AssociationMod
 def window_model(name: str | WindowModel = "joint") -> WindowModel:
     """Return the constants of the joint association by name in models/window, or the record itself."""
     return name if isinstance(name, WindowModel) else _load("window", name, WindowModel)
+
+
+def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:
+    """Return the constants of the navigator by name in models/navigator, or the record itself."""
+    return name if isinstance(name, NavigatorModel) else _load("navigator", name, NavigatorModel)
 
 
 def association_method(name: str | AssociationModel | CpdModel) -> AssociationModel | CpdModel:

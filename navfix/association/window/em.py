@@ -51,7 +51,7 @@ def expect(field: WindowField, fit: Fit, widening: float = 1.0, position_only: b
     return Expectation(ratio / total[:, :, None], NOMINAL_SHARE / total, weight, clutter, log_total)
 
 
-def rigid_step(field: WindowField, knots: Knots, widening: float, prior: MotionPrior) -> tuple[Knots, FloatArray]:
+def rigid_step(field: WindowField, knots: Knots, widening: float) -> tuple[Knots, FloatArray]:
     """Move k own motions as a whole, by the places of the tracks only; return them and ln of the total before."""
     fit = lay_over(field, knots)
     expected = expect(field, fit, widening, position_only=True)
@@ -92,7 +92,7 @@ def knot_step(
     """
     fit = lay_over(field, knots)
     information, gradient = normal_equations(field, fit, expect(field, fit, widening), widening, track_weight)
-    information += prior.full_information[None]
+    information += prior.full_information
     gradient += prior.gradient(knots)
     step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
     return knots.moved(step), information

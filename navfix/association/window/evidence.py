@@ -44,13 +44,15 @@ class Answers:
         return float(self.evidence[0] - self.evidence[1]) if len(self) > 1 else float("inf")
 
 
-def judge(field: WindowField, knots: Knots, information: FloatArray, prior: MotionPrior, log_null: float) -> Answers:
-    """Weigh own motions (k) and sort them, best first."""
+def judge(
+    field: WindowField, knots: Knots, information: FloatArray, prior: MotionPrior, log_null: float, *, sort: bool = True
+) -> Answers:
+    """Weigh own motions (k) and sort them, best first unless told not to."""
     fit = lay_over(field, knots)
     evidence = log_likelihood(field, knots, fit) + prior.log_density(knots)
     evidence = evidence - 0.5 * np.linalg.slogdet(information)[1] - log_null
     found = Answers(knots, information, evidence, _matched(field, fit))
-    return found.take(np.argsort(-evidence, kind="stable"))
+    return found.take(np.argsort(-evidence, kind="stable")) if sort else found
 
 
 def log_likelihood(field: WindowField, knots: Knots, fit: Fit) -> FloatArray:

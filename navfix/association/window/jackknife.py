@@ -36,16 +36,21 @@ class PoseAtEnd:
 
 def pose_at_end(field: WindowField, knots: Knots, information: FloatArray, prior: MotionPrior) -> PoseAtEnd:
     """Return the pose of one own motion at the end of the window, with its covariance."""
-    carry = _carry_to_end(field)
-    formal = carry @ np.linalg.inv(information[0]) @ carry.T + _process(field)
-    place, heading, velocity = _at_end(field, knots)
+    formal = formal_at_end(field, information)[0]
+    place, heading, velocity = at_end(field, knots)
     spread = _spread(field, knots, prior)
-    yaw = field.scene.yaw
-    turn = yaw.at(field.scene.middle_s + field.scene.end_s)
-    return PoseAtEnd(complex(place[0]), float(heading[0]) + turn, formal + spread, formal, complex(velocity[0]))
+    turned = float(heading[0]) + field.scene.yaw_at_end
+    return PoseAtEnd(complex(place[0]), turned, formal + spread, formal, complex(velocity[0]))
 
 
-def _at_end(field: WindowField, knots: Knots) -> tuple[np.ndarray, FloatArray, np.ndarray]:
+def formal_at_end(field: WindowField, information: FloatArray) -> FloatArray:
+    """Return the covariance (k, 3, 3) of the pose at the end as the Hessians (k, d, d) have it."""
+    carry = carry_to_end(field)
+    formal: FloatArray = carry @ np.linalg.inv(information) @ carry.T + _process(field)
+    return formal
+
+
+def at_end(field: WindowField, knots: Knots) -> tuple[np.ndarray, FloatArray, np.ndarray]:
     """Return place, heading (de-rotated) and velocity (k,) of own motions at the end of the window."""
     scene = field.scene
     if scene.knots == 1:
@@ -55,7 +60,7 @@ def _at_end(field: WindowField, knots: Knots) -> tuple[np.ndarray, FloatArray, n
     return knots.p[:, -1] + velocity * (scene.end_s - scene.knot_s[-1]), knots.heading_rad[:, -1], velocity
 
 
-def _carry_to_end(field: WindowField) -> FloatArray:
+def carry_to_end(field: WindowField) -> FloatArray:
     """Return what the unknowns do to the pose at the end: (3, d)."""
     scene = field.scene
     carry = np.zeros((3, 3 * scene.knots + 1))
@@ -85,7 +90,7 @@ def _spread(field: WindowField, knots: Knots, prior: MotionPrior) -> FloatArray:
     left = Knots.join(*[knots] * len(matched))
     for _ in range(ROUNDS):
         left, _ = knot_step(field, left, 1.0, prior, weight)
-    place, heading, _ = _at_end(field, left)
+    place, heading, _ = at_end(field, left)
     shift = np.stack([place.real, place.imag, heading], axis=1)
     away = np.hypot(*(shift[:, :2] - np.median(shift[:, :2], axis=0)).T)
     shift = shift[away <= MOST_M] - shift[away <= MOST_M].mean(axis=0)

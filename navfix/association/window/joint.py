@@ -49,33 +49,33 @@ def prepare(
 def cold(window: Window) -> Joint:
     """Find every own motion that explains the window, with nothing known beforehand."""
     found = votes.starts(window.field, window.null.shape)
-    return solve(window, found, window.prior)
+    return solve(window, found)
 
 
 def warm(window: Window, pose: PosePrior) -> Joint:
-    """Find the own motion near a pose that was known beforehand."""
-    field = window.field
-    shape = window.null.shape
-    before = shape_of(shape, pose.knot)
-    turn = np.exp(1j * pose.heading_rad)
-    p = np.array([pose.p + turn * before.p[0, field.scene.gauge]])
-    heading = np.array([pose.heading_rad + before.heading_rad[0, field.scene.gauge]])
-    return solve(window, placed(shape, p, heading, field.scene.gauge), window.prior.given(pose))
+    """Find the own motion near each pose that was known beforehand: one answer a pose, in the order of the poses."""
+    field, prior = window.field, window.prior.given(pose)
+    before = shape_of(window.null.shape, pose.knot)
+    gauge = field.scene.gauge
+    p = pose.p + np.exp(1j * pose.heading_rad) * before.p[0, gauge]
+    knots = placed(window.null.shape, p, pose.heading_rad + before.heading_rad[0, gauge], gauge)
+    for widening in field.model.annealing:
+        knots, information = em.knot_step(field, knots, widening, prior)
+    return Joint(window, evidence.judge(field, knots, information, prior, window.null.log_evidence, sort=False))
 
 
-def solve(window: Window, knots: Knots, prior: MotionPrior) -> Joint:
-    """Run the annealed EM from every start and judge what is reached."""
-    field = window.field
-    model = field.model
-    for widening in model.annealing_rigid if prior.pose is None else ():
-        knots, gain = em.rigid_step(field, knots, widening, prior)
-    if prior.pose is None and len(knots):
-        knots = _finalists(field, knots, gain)
+def solve(window: Window, knots: Knots) -> Joint:
+    """Run the annealed EM from every start and judge what is reached, with nothing known beforehand."""
+    field, prior, model = window.field, window.prior, window.field.model
+    gain = np.zeros(len(knots))
+    for widening in model.annealing_rigid:
+        knots, gain = em.rigid_step(field, knots, widening)
+    knots = _finalists(field, knots, gain)
     information = np.zeros((len(knots), len(prior.information), len(prior.information)))
     for widening in model.annealing:
         knots, information = em.knot_step(field, knots, widening, prior)
     found = evidence.judge(field, knots, information, prior, window.null.log_evidence)
-    if prior.pose is None and len(found) and field.scene.knots > 1:
+    if len(found) and field.scene.knots > 1:
         found = _against_better_null(window, found)
     return Joint(window, evidence.distinct(found, field))
 

@@ -86,11 +86,14 @@ def shape_of(knots: Knots, gauge: int) -> Knots:
 
 @dataclass(frozen=True, eq=False)
 class PosePrior:
-    """A pose known beforehand at one instant of the window: place [m, complex], heading, covariance (3, 3)."""
+    """Poses known beforehand at one knot, one for each of k motions (or one for all).
+
+    ``p`` (k,) [m, complex], ``heading_rad`` (k,), ``covariance`` (k, 3, 3) in (north m, east m, heading rad).
+    """
 
     knot: int
-    p: complex
-    heading_rad: float
+    p: ComplexArray
+    heading_rad: FloatArray
     covariance: FloatArray
 
 
@@ -112,14 +115,13 @@ class MotionPrior:
 
     @property
     def full_information(self) -> FloatArray:
-        """Information (d, d) with that of the pose; of an unknown one a trace, so that a motion without marks stays."""
-        full = self.information.copy()
-        if self.pose is None:
-            at = 3 * self.gauge
-            full[at : at + 3, at : at + 3] += np.diag(1.0 / np.array([LOOSE_M, LOOSE_M, LOOSE_RAD]) ** 2)
-            return full
-        at = 3 * self.pose.knot
-        full[at : at + 3, at : at + 3] += np.linalg.inv(self.pose.covariance)
+        """Information (k or 1, d, d) with that of the pose; of an unknown one a trace, so that a motion stays."""
+        known = self.pose
+        at = 3 * (self.gauge if known is None else known.knot)
+        pose = np.diag(1.0 / np.array([LOOSE_M, LOOSE_M, LOOSE_RAD]) ** 2)[None]
+        pose = pose if known is None else np.linalg.inv(known.covariance)
+        full = np.repeat(self.information[None], len(pose), axis=0)
+        full[:, at : at + 3, at : at + 3] += pose
         return full
 
     def gradient(self, knots: Knots) -> FloatArray:
@@ -127,36 +129,44 @@ class MotionPrior:
         pull = -knots.vector() @ self.information
         if self.pose is not None:
             at = 3 * self.pose.knot
-            pull[:, at : at + 3] -= self._pose_offset(knots) @ np.linalg.inv(self.pose.covariance)
+            offset = self._pose_offset(self.pose, knots)
+            pull[:, at : at + 3] -= np.linalg.solve(self.pose.covariance, offset[:, :, None])[:, :, 0]
         return pull
 
-    def log_density(self, knots: Knots) -> FloatArray:
-        """Return ln of the prior density (k,), a Gaussian's factors of 2 pi left to `log_volume`."""
+    def log_shape(self, knots: Knots) -> FloatArray:
+        """Return -1/2 x' Lambda x (k,): how likely the motion itself is, wherever it begins."""
         x = knots.vector()
-        total = -0.5 * np.einsum("kd,de,ke->k", x, self.information, x)
+        misfit: FloatArray = -0.5 * np.einsum("kd,de,ke->k", x, self.information, x)
+        return misfit
+
+    def log_density(self, knots: Knots) -> FloatArray:
+        """Return ln of the prior density (k,), up to the factors of 2 pi that a Gaussian integral over all cancels."""
+        total = self.log_shape(knots)
         if self.pose is None:
-            return total + 0.5 * self._log_det_shape() - self.log_area - math.log(2.0 * math.pi) + 1.5 * math.log(2.0 * math.pi)
-        offset = self._pose_offset(knots)
-        total -= 0.5 * np.einsum("kd,de,ke->k", offset, np.linalg.inv(self.pose.covariance), offset)
+            anywhere = -self.log_area - math.log(2.0 * math.pi) + 1.5 * math.log(2.0 * math.pi)
+            return total + 0.5 * self._log_det_shape() + anywhere
+        offset = self._pose_offset(self.pose, knots)
+        total -= 0.5 * (offset * np.linalg.solve(self.pose.covariance, offset[:, :, None])[:, :, 0]).sum(axis=1)
         density: FloatArray = total + 0.5 * np.linalg.slogdet(self.full_information)[1]
         return density
 
     def without_pose(self) -> FloatArray:
         """Return the information of the shape alone (d - 4, d - 4): no pose, no clock."""
-        keep = self._shape_rows()
+        keep = self.shape_rows()
         return self.information[np.ix_(keep, keep)]
 
-    def _shape_rows(self) -> IntArray:
+    def shape_rows(self) -> IntArray:
+        """Return which unknowns are the shape of the motion: neither the gauge knot's pose nor the clock."""
         return np.setdiff1d(np.arange(len(self.information) - 1), 3 * self.gauge + np.arange(3))
 
     def _log_det_shape(self) -> float:
-        keep = np.append(self._shape_rows(), len(self.information) - 1)
+        keep = np.append(self.shape_rows(), len(self.information) - 1)
         return float(np.linalg.slogdet(self.information[np.ix_(keep, keep)])[1])
 
-    def _pose_offset(self, knots: Knots) -> FloatArray:
-        assert self.pose is not None
-        place = knots.p[:, self.pose.knot] - self.pose.p
-        turn = wrap_pi(knots.heading_rad[:, self.pose.knot] - self.pose.heading_rad)
+    @staticmethod
+    def _pose_offset(pose: PosePrior, knots: Knots) -> FloatArray:
+        place = knots.p[:, pose.knot] - pose.p
+        turn = wrap_pi(knots.heading_rad[:, pose.knot] - pose.heading_rad)
         return np.stack([place.real, place.imag, turn], axis=1)
 
 

@@ -36,7 +36,7 @@ def fit_null(field: WindowField, prior: MotionPrior, starts: Knots | None = None
     knots = _starts(field) if starts is None else Knots.join(_starts(field), starts)
     for _ in range(ROUNDS):
         knots, information, log_density = _step(field, knots, prior)
-    keep = prior._shape_rows()
+    keep = prior.shape_rows()
     shape_prior = prior.without_pose()
     x = knots.vector()[:, keep]
     _, information, log_density = _step(field, knots, prior)
@@ -78,7 +78,7 @@ def _step(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, 
     information, gradient = normal_equations(field, fit, _all_clutter(clutter), 1.0)
     information += prior.information[None]
     gradient += prior.given(None).gradient(knots)
-    keep = prior._shape_rows()
+    keep = prior.shape_rows()
     inner = information[:, keep][:, :, keep]
     step = np.zeros_like(gradient)
     step[:, keep] = np.linalg.solve(inner, gradient[:, keep, None])[:, :, 0]

@@ -16,6 +16,7 @@ from navfix.association.scene import ComplexArray, Scene, conspicuity, middle
 from navfix.association.window.marks import MarkPaths, paths_of
 from navfix.association.window.tracks import Track, Yaw, epoch_time, tracks_of
 from navfix.catalog import AssociationModel, WindowModel
+from navfix.errors import TooFewPairs
 from navfix.types import Epoch, FloatArray, IntArray
 
 
@@ -56,13 +57,23 @@ class WindowScene:
     middle_bin: IntArray
 
     @property
+    def yaw_at_end(self) -> float:
+        """How far own ship has turned [rad] from the first scan to the end: what the de-rotated heading lacks."""
+        return self.yaw.at(self.middle_s + self.end_s)
+
+    @property
     def knots(self) -> int:
         """How many knots there are."""
         return len(self.knot_s)
 
 
 def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel) -> WindowScene:
-    """Cut a window into bins and bring its tracks and marks to them; it may be left without tracks or marks."""
+    """Cut a window into bins and bring its tracks and marks to them.
+
+    Raises
+    ------
+    TooFewPairs : not one track, or not one mark
+    """
     reference = _reference(epochs)
     tracks, yaw = tracks_of(epochs, reference, model)
     end_s, begin_s = epoch_time(epochs[-1]), epoch_time(epochs[0])
@@ -72,6 +83,7 @@ def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel)
     binned = [_binned(track, knot_s, model.bin_s) for track in tracks]
     kept = [i for i, (alive, _) in enumerate(binned) if alive.any()]
     tracks = [tracks[i] for i in kept]
+    _require_some(tracks, epochs)
     alive = np.array([binned[i][0] for i in kept], dtype=bool).reshape(len(kept), count)
     rho = np.array([binned[i][1] for i in kept], dtype=np.complex128).reshape(len(kept), count)
     lat = [m.position.lat_deg for m in epochs[-1].marks] or [m.position.lat_deg for e in epochs for m in e.marks]
@@ -86,6 +98,12 @@ def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel)
         flat, tuple(tracks), paths, yaw, middle_s, knot_s - middle_s, end_s - middle_s, count // 2, rho, alive,
         basis, used, alive.sum(axis=1).astype(np.float64), spread, constant, white, middle_bin,
     )  # fmt: skip
+
+
+def _require_some(tracks: list[Track], epochs: Sequence[Epoch]) -> None:
+    for word, count in (("tracks", len(tracks)), ("marks of known position", max(len(e.marks) for e in epochs))):
+        if count == 0:
+            raise TooFewPairs(f"no {word} in the window of {len(epochs)} scans", observations=0, unknowns=3)
 
 
 def _reference(epochs: Sequence[Epoch]) -> str:

@@ -1,0 +1,23 @@
+"""Over time: the bank of hypotheses, the navigator that holds a place, and what guards it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from navfix.sequence.navigator import Navigator
+    from navfix.sequence.outcome import Outcome, TrackState
+
+__all__ = ["Navigator", "Outcome", "TrackState"]
+
+_HOMES = {"Navigator": "navigator", "Outcome": "outcome", "TrackState": "outcome"}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOMES:
+        import importlib
+
+        value = getattr(importlib.import_module(f"navfix.sequence.{_HOMES[name]}"), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module 'navfix.sequence' has no attribute {name!r}")
