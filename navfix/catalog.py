@@ -168,8 +168,10 @@ class WindowModel:
     annealing_rigid: list[float]
     annealing: list[float]
     least_evidence: float
-    least_margin: float
+    enough_marks: int
+    least_evidence_few: float
     fewest_marks: int
+    least_margin: float
     least_probability_wrong: float
 
 

@@ -73,8 +73,10 @@ class Acceptance:
 
     def _believable(self, h: Hypothesis, bank: Bank) -> bool:
         model = self._model
+        if h.score < model.least_score:
+            return False
         ahead = bank.rival_ahead(h)
-        if h.score < model.least_score or ahead < model.least_ahead:
+        if ahead < model.least_ahead:
             return False
         here = [b for b in self._blind if self._agrees(b.place, h.place)]
         if any(self.sure(b) for b in here if b.end_s >= h.place.time_s - model.bank_every_s):

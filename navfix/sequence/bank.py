@@ -95,11 +95,12 @@ class Bank:
 
     def near(self, place: Place) -> Hypothesis | None:
         """Return the best hypothesis at a place, None where there is none."""
-        return next((h for h in self.hypotheses if self._same(h.place, place)), None)
+        near = [h for h in self.hypotheses if h.place.carried(place.time_s, self._model).distance_m(place) <= self._model.same_m]
+        return max(near, key=lambda h: h.score, default=None)
 
     def rival_ahead(self, of: Hypothesis) -> float:
         """Return by how many nats ``of`` is ahead of the best other one (negative where it is behind)."""
-        others = [h.score for h in self.hypotheses if h is not of]
+        others = [h.score for h in self.hypotheses if of.place.distance_m(h.place) > self._model.same_m]
         return of.score - max(others) if others else math.inf
 
     # ------------------------------------------------------------------------------------------------ one window
@@ -126,7 +127,7 @@ class Bank:
         ):
             born.append(Hypothesis(place, now_s, evidence=float(evidence)))
         self._credit(born, Joint(found.window, answers))
-        self.hypotheses += [h for h in born if self.near(h.place) is None]
+        self.hypotheses += [h for h in born if not any(self._same(h.place, k.place) for k in self.hypotheses)]
 
     def _credit(self, hypotheses: Sequence[Hypothesis], found: Joint) -> None:
         window, knots = found.window, found.answers.knots
@@ -187,8 +188,6 @@ class Bank:
 
     def _same(self, one: Place, other: Place) -> bool:
         model = self._model
-        if abs(one.time_s - other.time_s) > 1.0:
-            one = one.carried(other.time_s, model)
         return one.distance_m(other) <= model.merge_m and one.turn_deg(other) <= model.merge_deg
 
 

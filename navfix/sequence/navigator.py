@@ -18,7 +18,7 @@ from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel, WindowModel, navigator_model, window_model
 from navfix.errors import InputError, TooFewPairs
 from navfix.sequence.acceptance import Acceptance, Blind, blind_of
-from navfix.sequence.bank import Bank
+from navfix.sequence.bank import Bank, Hypothesis
 from navfix.sequence.outcome import Outcome, TrackState
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
@@ -41,6 +41,7 @@ class Navigator:
         self._track: Track | None = None
         self._conflict_until_s = -np.inf
         self._last_cold_s = self._last_bank_s = -np.inf
+        self._believed: list[Hypothesis] = []
         self._reason = "cold: nothing has been seen yet"
 
     @property
@@ -135,7 +136,9 @@ class Navigator:
 
     def _decide(self, now_s: float) -> None:
         """Accept, keep or give up a place."""
-        believed = self._acceptance.accepted(self._bank)
+        if self._last_bank_s == now_s or self._last_cold_s == now_s:
+            self._believed = self._acceptance.accepted(self._bank)
+        believed = self._believed
         if self._track is not None and self._track.given_up:
             self._reason, self._track = self._track.given_up, None
         if self._track is None:
@@ -149,7 +152,7 @@ class Navigator:
             self._conflict_until_s = now_s + self._model.bank_every_s
             self._accept([], now_s)
 
-    def _accept(self, believed: list, now_s: float) -> None:
+    def _accept(self, believed: list[Hypothesis], now_s: float) -> None:
         if now_s < self._conflict_until_s:
             return
         if len(believed) == 1:

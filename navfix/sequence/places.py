@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from navfix.association.window.joint import Window
 from navfix.association.window.knots import PosePrior
 from navfix.catalog import NavigatorModel
-from navfix.geodesy import LocalPlane, cloud_to_plane, inverse
+from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
 from navfix.types import FloatArray, Position
 from navfix.units import wrap_180
 
@@ -39,11 +40,16 @@ class Place:
 
     def distance_m(self, other: Place) -> float:
         """Return how far another place of the same instant lies [m]."""
-        return inverse(self.position, other.position)[0]
+        return math.dist(self._point, other._point)
 
     def turn_deg(self, other: Place) -> float:
         """Return how far the heading of another place of the same instant lies [deg], >= 0."""
         return abs(wrap_180(other.heading_deg - self.heading_deg))
+
+    @cached_property
+    def _point(self) -> tuple[float, ...]:
+        """Earth-centred coordinates [m]: a chord is 0.1 m short at 40 km, and quick."""
+        return tuple(ecef(self.position.lat_deg, self.position.lon_deg).tolist())
 
     @property
     def sigma_m(self) -> float:

@@ -76,10 +76,11 @@ def require_agreement(found: Joint) -> None:
     model, answers = found.window.field.model, found.answers
     evidence = float(answers.evidence[0]) if len(answers) else -math.inf
     marks = int(answers.marks[0]) if len(answers) else 0
-    if marks < model.fewest_marks or evidence < model.least_evidence:
+    needed = model.least_evidence if marks >= model.enough_marks else model.least_evidence_few
+    if marks < model.fewest_marks or evidence < needed:
         raise NoAgreement(
             f"no own motion explains the tracks better than chance does: the best one matches {marks} marks, "
-            f"its evidence is {evidence:.1f} (at least {model.least_evidence:g})",
+            f"its evidence is {evidence:.1f} (at least {needed:g})",
             evidence=evidence,
             alternatives=alternatives(found),
         )

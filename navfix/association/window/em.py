@@ -6,6 +6,7 @@ knots and the clock, with the priors of own motion. While it is far off, only th
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,7 +43,8 @@ def likelihood_ratio(
 
 def expect(field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False) -> Expectation:
     """Return the E-step at nominal clutter share and detection level."""
-    clutter = as_clutter(field, fit.path)
+    none = np.zeros(fit.mark.shape[:2])
+    clutter = Clutter(none, none[None], none) if position_only else as_clutter(field, fit.path)
     ratio, weight = likelihood_ratio(field, fit, clutter, NOMINAL_LEVEL, widening, position_only)
     total = NOMINAL_SHARE + ratio.sum(axis=2)
     log_total = np.log(total).sum(axis=1)
@@ -53,7 +55,7 @@ def expect(field: WindowField, fit: Fit, widening: float = 1.0, position_only: b
 
 def rigid_step(field: WindowField, knots: Knots, widening: float) -> tuple[Knots, FloatArray]:
     """Move k own motions as a whole, by the places of the tracks only; return them and ln of the total before."""
-    fit = lay_over(field, knots)
+    fit = lay_over(field, knots, position_only=True)
     expected = expect(field, fit, widening, position_only=True)
     weight = expected.on_mark[..., None] / (fit.variance_m2[..., 0, :] * widening**2)
     pull = (weight * fit.misfit[..., 0, :]).sum(axis=2)  # (k, m, 2)
@@ -117,10 +119,10 @@ def normal_equations(
     count, d = len(J), J.shape[2] + 1
     information, gradient = np.zeros((count, d, d)), np.zeros((count, d))
     back = np.swapaxes(J, 1, 2)
-    information[:, :-1, :-1] = back @ (J * total.reshape(count, -1, 1))
-    information[:, :-1, -1] = information[:, -1, :-1] = (back @ with_clock.reshape(count, -1, 1))[:, :, 0]
+    information[:, :-1, :-1] = back @ (J * total.reshape(count, J.shape[1], 1))
+    information[:, :-1, -1] = information[:, -1, :-1] = (back @ with_clock.reshape(count, J.shape[1], 1))[:, :, 0]
     information[:, -1, -1] = clock_square.sum(axis=(1, 2, 3))
-    gradient[:, :-1] = (back @ pull.reshape(count, -1, 1))[:, :, 0]
+    gradient[:, :-1] = (back @ pull.reshape(count, J.shape[1], 1))[:, :, 0]
     gradient[:, -1] = clock_pull.sum(axis=(1, 2, 3))
     return information, gradient
 
@@ -132,7 +134,7 @@ def _jacobian(field: WindowField, fit: Fit) -> FloatArray:
     columns = np.stack([back, 1j * back, fit.lever], axis=-1)  # (k, m, b, 3)
     parts = np.stack([columns.real, columns.imag], axis=2)  # (k, m, a, b, 3)
     J = scene.basis[None, :, :, None, :, None] * parts[:, :, None]  # (k, m, s, a, b, 3)
-    return J.reshape(len(J), -1, 3 * scene.knots)
+    return J.reshape(len(J), math.prod(J.shape[1:4]), 3 * scene.knots)
 
 
 def _mark_weight(field: WindowField, fit: Fit, expected: Expectation, widening: float) -> FloatArray:

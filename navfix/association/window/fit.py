@@ -7,6 +7,7 @@ scatter about it. Whatever own motion explains badly makes both small, so own mo
 
 from __future__ import annotations
 
+import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -87,8 +88,11 @@ class Fit:
     lever: ComplexArray
 
 
-def lay_over(field: WindowField, knots: Knots) -> Fit:
-    """Place the tracks by k own motions and measure their misfit to the marks nearest at their middle."""
+def lay_over(field: WindowField, knots: Knots, *, position_only: bool = False) -> Fit:
+    """Place the tracks by k own motions and measure their misfit to the marks nearest at their middle.
+
+    With ``position_only`` nothing but the mean of each track: s = 1.
+    """
     scene = field.scene
     turned = np.exp(1j * knots.heading_rad)[:, None, :] * scene.rho[None]  # (k, m, K)
     world = np.where(scene.alive[None], knots.p[:, None, :] + turned, 0.0)
@@ -100,24 +104,28 @@ def lay_over(field: WindowField, knots: Knots) -> Fit:
     v = scene.paths.v[mark]
     misfit = (scene.paths.z[mark] + v * clock - world[:, :, None, :]) * back[..., None]
     misfit = np.where(scene.alive[None, :, None, :], misfit, 0.0)
+    lever = np.where(scene.alive[None], 1j * turned * back, 0.0)
+    if position_only:
+        none = np.zeros((*mark.shape, 0, 2))
+        return Fit(mark, in_basis(scene.basis[:, :1], misfit), _variance(field, mark, 1), none, none[:, :, 0], axis, lever)
     rate = np.where(scene.alive[None, :, None, :], v * back[..., None], 0.0)
     return Fit(
         mark,
         in_basis(scene.basis, misfit),
-        _variance(field, mark),
+        _variance(field, mark, scene.knots),
         in_basis(scene.basis, rate),
         in_basis(scene.basis, -world * back),
         axis,
-        np.where(scene.alive[None], 1j * turned * back, 0.0),
+        lever,
     )
 
 
 def in_basis(basis: FloatArray, values: ComplexArray) -> FloatArray:
     """Return values over bins (k, m, ..., K) as coordinates (k, m, ..., s, 2) in the tracks' bases."""
     shape = values.shape
-    flat = np.moveaxis(values, 1, 0).reshape(shape[1], -1, shape[-1])  # (m, k..., K)
+    flat = np.moveaxis(values, 1, 0).reshape(shape[1], math.prod(shape[:1] + shape[2:-1]), shape[-1])  # (m, k..., K)
     turned = flat @ np.swapaxes(basis, 1, 2)
-    back = np.moveaxis(turned.reshape(shape[1], shape[0], *shape[2:]), 0, 1)
+    back = np.moveaxis(turned.reshape(shape[1], shape[0], *shape[2:-1], basis.shape[1]), 0, 1)
     return np.stack([back.real, back.imag], axis=-1)
 
 
@@ -134,14 +142,14 @@ def _nearest(field: WindowField, world: ComplexArray) -> IntArray:
     return found
 
 
-def _variance(field: WindowField, mark: IntArray) -> FloatArray:
+def _variance(field: WindowField, mark: IntArray, rows: int) -> FloatArray:
     """Return variances (k, m, q, s, 2): mean n s_c^2 + s_w^2, line S_tt s_s^2 + s_w^2, scatter s_w^2."""
     scene, model = field.scene, field.model
     white = scene.white_m2[None, :, None, :] + field.aged_m2[mark][..., None]
-    variance = np.repeat(white[..., None, :], scene.knots, axis=3)
+    variance = np.repeat(white[..., None, :], rows, axis=3)
     constant = scene.constant_m2[None, :, None, :] + (scene.paths.constant_m[mark] ** 2)[..., None]
     variance[..., 0, :] += scene.bins[None, :, None, None] * constant
-    if scene.knots > 1:
+    if rows > 1:
         variance[..., 1, :] += (scene.spread_s2 * model.slope_mps**2)[None, :, None, None]
     return variance
 

@@ -67,15 +67,20 @@ def warm(window: Window, pose: PosePrior) -> Joint:
 def solve(window: Window, knots: Knots) -> Joint:
     """Run the annealed EM from every start and judge what is reached, with nothing known beforehand."""
     field, prior, model = window.field, window.prior, window.field.model
+    d = len(prior.information)
+    if not len(knots):
+        return Joint(window, Answers(knots, np.zeros((0, d, d)), np.zeros(0), np.zeros(0)))
     gain = np.zeros(len(knots))
-    for widening in model.annealing_rigid:
+    for number, widening in enumerate(model.annealing_rigid):
         knots, gain = em.rigid_step(field, knots, widening)
-    knots = _finalists(field, knots, gain)
-    information = np.zeros((len(knots), len(prior.information), len(prior.information)))
+        if number == 1:
+            knots = _finalists(field, knots, gain, 3 * model.finalists)
+    knots = _finalists(field, knots, gain[: len(knots)], model.finalists)
+    information = np.zeros((len(knots), d, d))
     for widening in model.annealing:
         knots, information = em.knot_step(field, knots, widening, prior)
     found = evidence.judge(field, knots, information, prior, window.null.log_evidence)
-    if len(found) and field.scene.knots > 1:
+    if field.scene.knots > 1:
         found = _against_better_null(window, found)
     return Joint(window, evidence.distinct(found, field))
 
@@ -88,11 +93,11 @@ def _against_better_null(window: Window, found: Answers) -> Answers:
     return Answers(found.knots, found.information, found.evidence - gained, found.marks)
 
 
-def _finalists(field: WindowField, knots: Knots, gain: np.ndarray) -> Knots:
+def _finalists(field: WindowField, knots: Knots, gain: np.ndarray, most: int) -> Knots:
     """Return the best motions, one of each group that is on its way to the same optimum."""
     order = np.argsort(-gain, kind="stable")
     p, heading = knots.p[order, field.scene.gauge], knots.heading_rad[order, field.scene.gauge]
     near = np.abs(p[:, None] - p[None, :]) < 0.5 * field.shared.distinct_m
     near &= np.abs(wrap_pi(heading[:, None] - heading[None, :])) < np.radians(field.shared.distinct_deg)
     has_better = np.tril(near, -1).any(axis=1)
-    return knots.take(order[~has_better][: field.model.finalists])
+    return knots.take(order[~has_better][:most])

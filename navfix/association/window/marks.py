@@ -37,6 +37,9 @@ class MarkPaths:
     newest: tuple[int, ...]
 
 
+_Seen = tuple[float, Mark]
+
+
 @dataclass(slots=True)
 class _Report:
     time_s: float
@@ -65,27 +68,23 @@ def paths_of(epochs: Sequence[Epoch], origin: Position, knot_s: FloatArray, mode
 
 def _histories(epochs: Sequence[Epoch], origin: Position) -> dict[str, tuple[list[_Report], Mark, float]]:
     """Return by label: reports in time order, the newest record, and the least sigma that the mark had [m]."""
-    seen = [(epoch_time(epoch), mark) for epoch in epochs for mark in epoch.marks]
-    plane = cloud_to_plane(origin, [m.position.lat_deg for _, m in seen], [m.position.lon_deg for _, m in seen])
-    places = plane[:, 0] + 1j * plane[:, 1]
-    by_label: dict[str, list[tuple[float, complex, Mark]]] = {}
-    for (at_s, mark), place in zip(seen, places.tolist(), strict=True):
-        by_label.setdefault(mark.label, []).append((at_s, place, mark))
-    return {
-        label: (_reports(rows), rows[-1][2], min(mark.sigma_m for _, _, mark in rows)) for label, rows in by_label.items()
-    }
-
-
-def _reports(rows: list[tuple[float, complex, Mark]]) -> list[_Report]:
-    """Regain the reports of one mark from its places in successive epochs."""
-    found: list[_Report] = []
-    group: list[tuple[float, complex, Mark]] = []
-    for row in rows:
-        if group and not _same_report(group[0][2], row[2]):
-            found.append(_report(group))
-            group = []
-        group.append(row)
-    found.append(_report(group))
+    groups: dict[str, list[list[_Seen]]] = {}
+    for epoch in epochs:
+        at_s = epoch_time(epoch)
+        for mark in epoch.marks:
+            known = groups.setdefault(mark.label, [])
+            if known and _same_report(known[-1][0][1], mark):
+                known[-1][1:] = [(at_s, mark)]  # of one report only its first and its newest place are needed
+            else:
+                known.append([(at_s, mark)])
+    seen = [mark for known in groups.values() for group in known for _, mark in group]
+    plane = cloud_to_plane(origin, [m.position.lat_deg for m in seen], [m.position.lon_deg for m in seen])
+    places = iter((plane[:, 0] + 1j * plane[:, 1]).tolist())
+    found = {}
+    for label, known in groups.items():
+        reports = [_report([(at_s, next(places), mark) for at_s, mark in group]) for group in known]
+        least = min(mark.sigma_m for group in known for _, mark in group)
+        found[label] = (reports, known[-1][-1][1], least)
     return found
 
 

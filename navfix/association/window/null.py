@@ -17,7 +17,7 @@ from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray
 
 ROUNDS = 8
-STARTS = 12
+STARTS, FINALISTS = 10, 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,8 +34,10 @@ def fit_null(field: WindowField, prior: MotionPrior, starts: Knots | None = None
         zero = Knots(np.zeros((1, 1), complex), np.zeros((1, 1)), np.zeros(1))
         return Null(zero, float(as_clutter(field, _fit_of(field, zero).path).log_density.sum()))
     knots = _starts(field) if starts is None else Knots.join(_starts(field), starts)
-    for _ in range(ROUNDS):
-        knots, information, log_density = _step(field, knots, prior)
+    for number in range(ROUNDS):
+        knots, _, log_density = _step(field, knots, prior)
+        if number == ROUNDS // 2 - 1:
+            knots = knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS])
     keep = prior.shape_rows()
     shape_prior = prior.without_pose()
     x = knots.vector()[:, keep]
