@@ -196,6 +196,9 @@ class NavigatorModel:
     drop_behind: float
     memory_s: float
     same_m: float
+    plain_evidence: float
+    plain_margin: float
+    plain_marks: int
     sure_evidence: float
     sure_margin: float
     sure_marks: int

@@ -1,4 +1,4 @@
-"""``navfix fix``: one radar scan of a log -> position, heading, ellipse and residual report."""
+"""``navfix fix``: one radar scan of a log, or with --window the scans before it too -> position, heading, ellipse and residual report."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from navfix.cli import options, solving
-from navfix.cli.errors import NO_FIX, OK, one_line
+from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -19,6 +19,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     options.add_estimation(parser)
     options.add_association(parser)
     options.add_evidence(parser)
+    options.add_window(parser)
     options.add_truth(parser)
     options.add_output(parser)
     parser.set_defaults(run=run)
@@ -30,7 +31,12 @@ def run(args: argparse.Namespace) -> int:
 
     solving.refuse(args, ["chart"])
     track = solving.truth_track(args)
-    answer = solving.solve(solving.one_epoch(solving.read(args.log), args), args, track)
+    log = solving.read(args.log)
+    if args.window is None:
+        answer = solving.solve(solving.one_epoch(log, args), args, track)
+    else:
+        _refuse_with_window(args)
+        answer = solving.solve_window(solving.window_epochs(log, args), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)
     if answer.error is not None:
@@ -39,3 +45,10 @@ def run(args: argparse.Namespace) -> int:
     if track is not None and answer.truth is None:
         print(f"navfix: {args.truth}: nothing about the time of this scan: no error can be told", file=sys.stderr)
     return OK
+
+
+def _refuse_with_window(args: argparse.Namespace) -> None:
+    """Refuse what says something about one scan only."""
+    for name in ("pairs", "prove", "accept"):
+        if getattr(args, name):
+            raise CommandError(f"--{name} is for one scan: leave it out, or --window")

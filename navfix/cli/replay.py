@@ -1,9 +1,12 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, each scan solved alone, the GNSS verdict lasting."""
+"""``navfix replay``: every radar scan of a log -> JSON lines, a place held from scan to scan, the GNSS verdict lasting."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +15,10 @@ from navfix.cli import options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
+    from navfix.errors import NoFix
+    from navfix.report.answer import Answer
+    from navfix.report.truth import TruthTrack
+    from navfix.sequence import Navigator
     from navfix.types import Epoch, ShipVeracity
 
 SUFFIXES = (".json",)
@@ -44,18 +51,16 @@ def run(args: argparse.Namespace) -> int:
     from navfix.integrity import AisVeracity, GnssMonitor
     from navfix.report.writers import render
 
-    solving.refuse(args, ["chart", "window"])
+    solving.refuse(args, ["chart"])
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track = solving.truth_track(args)
     log = solving.read(args.log)
     lines, fixes, known, monitor, veracity = [], 0, 0, GnssMonitor(), AisVeracity()
-    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args))):
-        if count % args.every:
-            continue
-        answer = pipeline.watched(solving.solve(solving.without_hints(epoch, args), args, track), monitor)
+    for answer in answers(pipeline.epochs(log, radar=options.radar(args)), args, track):
+        answer = pipeline.watched(answer, monitor)
         if answer.gnss is not None and answer.gnss.alert:
-            print(f"navfix: {_clock(epoch)}{answer.gnss.alert}", file=sys.stderr)
+            print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:
             fixes += 1
             veracity.feed(answer.fix)
@@ -72,6 +77,60 @@ def run(args: argparse.Namespace) -> int:
     return OK if fixes else NO_FIX
 
 
+def answers(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Iterator[Answer]:
+    """Yield the answer of every N-th scan: by the navigator, or with --independent each scan or window alone."""
+    navigator = None if args.independent else _navigator(args)
+    kept: deque[Epoch] = deque()
+    for count, epoch in enumerate(epochs):
+        epoch = solving.without_hints(epoch, args)
+        wanted = count % args.every == 0
+        if navigator is not None:
+            navigator.feed(epoch)
+            if wanted:
+                yield solving.finish(_step(navigator, epoch), args, track)
+        elif wanted and args.window is None:
+            yield solving.solve(epoch, args, track)
+        elif args.window is not None:
+            kept.append(epoch)
+            solving.trim(kept, args.window)
+            if wanted:
+                yield solving.solve_window(tuple(kept), args, track)
+
+
+def _navigator(args: argparse.Namespace) -> Navigator:
+    from dataclasses import replace
+
+    from navfix.catalog import navigator_model
+    from navfix.sequence import Navigator
+
+    model = navigator_model()
+    if args.window is not None:
+        model = replace(model, window_s=args.window, kept_s=max(model.kept_s, args.window + 5.0))
+    return Navigator(model=model)
+
+
+def _step(navigator: Navigator, epoch: Epoch) -> Answer:
+    """Return the navigator's outcome at the newest epoch as an answer."""
+    from dataclasses import replace
+
+    from navfix import pipeline
+    from navfix.errors import Ambiguous, NoAgreement
+    from navfix.report.answer import Answer
+
+    began_s = time.perf_counter()
+    outcome = navigator.step()
+    timing_ms = {"epoch": epoch.build_ms or 0.0, "navigate": round(1e3 * (time.perf_counter() - began_s), 3)}
+    if outcome.fix is not None:
+        answer = pipeline.beside(outcome.fix, outcome.association, epoch, timing_ms=timing_ms)
+        return replace(answer, track=outcome.track)
+    if outcome.track.status == "conflict":
+        error: NoFix = Ambiguous(outcome.reason, alternatives=navigator.alternatives())
+    else:
+        evidence = outcome.track.score if outcome.track.score is not None else 0.0
+        error = NoAgreement(outcome.reason, evidence=evidence, alternatives=navigator.alternatives())
+    return Answer(epoch=epoch, error=error, timing_ms=timing_ms, track=outcome.track)
+
+
 def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     from navfix.report.veracity import summary, veracity_json, veracity_text
 
@@ -80,8 +139,8 @@ def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     print(f"navfix: AIS veracity: {summary(ships)}", file=sys.stderr)
 
 
-def _clock(epoch: Epoch) -> str:
-    return "" if epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
+def _clock(epoch: Epoch | None) -> str:
+    return "" if epoch is None or epoch.time_utc is None else f"{epoch.time_utc:%H:%M:%SZ} "
 
 
 def _count(text: str) -> int:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from navfix.errors import InputError, NoFix
-from navfix.types import Epoch, Fix, GnssVerdict, MeanFix, Position
+from navfix.types import Epoch, Fix, GnssVerdict, MeanFix, Position, TrackState
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +29,7 @@ class Answer:
     """The fix of one epoch with everything that stands beside it, or the reason why there is none.
 
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
-    "adjust"). ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
+    "adjust"); ``track`` is what the navigator knows of its place. ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
 
     Raises
     ------
@@ -45,6 +45,7 @@ class Answer:
     truth: Truth | None = None
     notes: tuple[str, ...] = ()
     cautions: tuple[str, ...] = ()
+    track: TrackState | None = None
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):

@@ -23,6 +23,7 @@ from navfix.types import (
     MeanFix,
     PlanePosition,
     Position,
+    TrackState,
 )
 
 SCHEMA = "navfix.fix/1"
@@ -49,6 +50,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "plain_mean": plain_mean_to_dict(answer.plain_mean, answer.fix),
         "timing_ms": {step: plain(answer.timing_ms.get(step), 6) for step in (*STEPS, *answer.timing_ms)},
         "truth": truth_to_dict(answer.truth),
+        "track": track_to_dict(answer.track),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
         "notes": [*body["notes"], *answer.cautions, *answer.notes],
@@ -272,6 +274,21 @@ def plain_mean_to_dict(mean: MeanFix | None, fix: Fix | None) -> dict[str, Any] 
         "ellipse": None if ellipse is None else ellipse_to_dict(ellipse),
         "heading_deg": plain(mean.heading_deg),
         "used": int(mean.used.sum()),
+    }
+
+
+def track_to_dict(track: TrackState | None) -> dict[str, Any] | None:
+    """Return what is known of the place that is held over time, None where scans are solved alone."""
+    if track is None:
+        return None
+    return {
+        "status": track.status,
+        "probability_wrong": plain(track.probability_wrong),
+        "evidence": plain(track.evidence),
+        "score": plain(track.score),
+        "ahead": plain(track.ahead),
+        "since_s": plain(track.since_s),
+        "source": track.source,
     }
 
 

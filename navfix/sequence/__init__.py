@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from navfix.sequence.navigator import Navigator
-    from navfix.sequence.outcome import Outcome, TrackState
+    from navfix.sequence.outcome import Outcome
 
-__all__ = ["Navigator", "Outcome", "TrackState"]
+__all__ = ["Navigator", "Outcome"]
 
-_HOMES = {"Navigator": "navigator", "Outcome": "outcome", "TrackState": "outcome"}
+_HOMES = {"Navigator": "navigator", "Outcome": "outcome"}
 
 
 def __getattr__(name: str) -> Any:

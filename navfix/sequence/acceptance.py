@@ -29,9 +29,7 @@ def blind_of(found: Joint, window_s: float) -> Blind | None:
         return None
     best = found.answers
     place = places_of(found.window, best.knots, best.information)[0]
-    return Blind(
-        place.time_s - window_s, place.time_s, place, float(best.evidence[0]), best.margin, int(best.marks[0])
-    )
+    return Blind(place.time_s - window_s, place.time_s, place, float(best.evidence[0]), best.margin, int(best.marks[0]))
 
 
 class Acceptance:
@@ -48,6 +46,15 @@ class Acceptance:
         self._blind.append(blind)
         while blind.end_s - self._blind[0].end_s > self._model.memory_s:
             self._blind.popleft()
+
+    def plain(self, blind: Blind) -> bool:
+        """Tell whether a blind solve leaves no doubt: so many marks agree that nothing else needs to be known."""
+        model = self._model
+        return (
+            blind.evidence >= model.plain_evidence
+            and blind.margin >= model.plain_margin
+            and blind.marks >= model.plain_marks
+        )
 
     def sure(self, blind: Blind) -> bool:
         """Tell whether one blind solve is enough by itself."""

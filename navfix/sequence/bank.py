@@ -95,7 +95,11 @@ class Bank:
 
     def near(self, place: Place) -> Hypothesis | None:
         """Return the best hypothesis at a place, None where there is none."""
-        near = [h for h in self.hypotheses if h.place.carried(place.time_s, self._model).distance_m(place) <= self._model.same_m]
+        near = [
+            h
+            for h in self.hypotheses
+            if h.place.carried(place.time_s, self._model).distance_m(place) <= self._model.same_m
+        ]
         return max(near, key=lambda h: h.score, default=None)
 
     def rival_ahead(self, of: Hypothesis) -> float:
@@ -168,7 +172,9 @@ class Bank:
         levels = []
         for level in self._shared.detection_level:
             odds = level * pd / (1.0 - level * pd)
-            levels.append(((np.exp(np.minimum(log_ratio, 100.0)) * odds)[None], np.array([np.log1p(-level * pd).sum()])))
+            levels.append(
+                ((np.exp(np.minimum(log_ratio, 100.0)) * odds)[None], np.array([np.log1p(-level * pd).sum()]))
+            )
         index = np.broadcast_to(np.arange(len(marks)), log_ratio.shape)[None]
         log_mean = float(log_mean_evidence(levels, index, np.array(self._shared.clutter_share), len(marks))[0])
         volume = LOG_VOLUME + 0.5 * float(np.linalg.slogdet(h.place.covariance)[1])

@@ -44,7 +44,10 @@ class Lives:
             track = window.field.scene.tracks[i]
             first_s, last_s, range_m = float(track.time_s[0]), float(track.time_s[-1]), float(abs(track.rho[-1]))
             lives = self._by_label.setdefault(track.label, [])
-            life = next((x for x in reversed(lives) if x.number not in taken and first_s <= x.last_s and last_s >= x.first_s), None)
+            life = next(
+                (x for x in reversed(lives) if x.number not in taken and first_s <= x.last_s and last_s >= x.first_s),
+                None,
+            )
             if life is None and lives and lives[-1].number not in taken:
                 newest = lives[-1]
                 follows = 0.0 < first_s - newest.last_s <= model.gap_s

@@ -19,10 +19,10 @@ from navfix.catalog import NavigatorModel, WindowModel, navigator_model, window_
 from navfix.errors import InputError, TooFewPairs
 from navfix.sequence.acceptance import Acceptance, Blind, blind_of
 from navfix.sequence.bank import Bank, Hypothesis
-from navfix.sequence.outcome import Outcome, TrackState
+from navfix.sequence.outcome import Outcome
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
-from navfix.types import Epoch
+from navfix.types import Alternative, Epoch, TrackState, TrackStatus
 
 
 class Navigator:
@@ -42,12 +42,19 @@ class Navigator:
         self._conflict_until_s = -np.inf
         self._last_cold_s = self._last_bank_s = -np.inf
         self._believed: list[Hypothesis] = []
+        self._plain: Blind | None = None
         self._reason = "cold: nothing has been seen yet"
 
     @property
     def bank(self) -> Bank:
         """The places that are kept alive."""
         return self._bank
+
+    def alternatives(self) -> tuple[Alternative, ...]:
+        """Return the places that are kept alive, best first; ``score`` is that over minutes."""
+        return tuple(
+            Alternative(h.place.position, h.place.heading_deg, h.score, h.marks) for h in self._bank.hypotheses[:10]
+        )
 
     def feed(self, epoch: Epoch) -> None:
         """Take one epoch in.
@@ -77,7 +84,8 @@ class Navigator:
         self._update_bank(now_s)
         self._decide(now_s)
         if self._track is None:
-            return Outcome("cold", None, self._reason, TrackState("cold", score=self._best_score()))
+            status: TrackStatus = "conflict" if self._reason.startswith("conflict") else "cold"
+            return Outcome(status, None, self._reason, TrackState(status, score=self._best_score()))
         held = self._hold(now_s, blind)
         return self._outcome(now_s, held)
 
@@ -85,20 +93,23 @@ class Navigator:
 
     def _solve_blind(self, now_s: float) -> Joint | None:
         """Solve the window with nothing known beforehand, where one is due."""
-        if now_s - self._last_cold_s < self._model.cold_every_s - 0.1:
+        waiting = self._track is not None or self._span_s(now_s) > self._model.cold_every_s
+        if waiting and now_s - self._last_cold_s < self._model.cold_every_s - 0.1:
             return None
         window = self._prepare(now_s, self._model.window_s)
         if window is None:
             return None
         self._last_cold_s = now_s
         found = joint.cold(window)
-        self._acceptance.note(blind_of(found, min(self._model.window_s, self._span_s(now_s))))
+        best = blind_of(found, min(self._model.window_s, self._span_s(now_s)))
+        self._acceptance.note(best)
+        self._plain = best if best is not None and self._acceptance.plain(best) else None
         return found
 
     def _prepare(self, now_s: float, length_s: float) -> Window | None:
         """Make the window of the last ``length_s`` seconds ready, None where it holds too little."""
         epochs = [epoch for epoch in self._epochs if epoch_time(epoch) > now_s - length_s]
-        if len(epochs) < 2:
+        if not epochs:
             return None
         try:
             return joint.prepare(epochs, self._window)
@@ -115,7 +126,9 @@ class Navigator:
         model = self._model
         if now_s - self._last_bank_s < model.bank_every_s - 0.1:
             return
-        since_s = min(now_s - self._last_bank_s, model.bank_every_s) if np.isfinite(self._last_bank_s) else model.bank_every_s
+        since_s = (
+            min(now_s - self._last_bank_s, model.bank_every_s) if np.isfinite(self._last_bank_s) else model.bank_every_s
+        )
         if self._span_s(now_s) < min(model.birth_windows_s) - 3.0:
             return
         window = self._prepare(now_s, since_s)
@@ -155,11 +168,14 @@ class Navigator:
     def _accept(self, believed: list[Hypothesis], now_s: float) -> None:
         if now_s < self._conflict_until_s:
             return
+        if self._plain is not None and self._plain.end_s == now_s:
+            self._track = Track(self._plain.place, self._model, now_s)
+            return
         if len(believed) == 1:
             self._track = Track(believed[0].place.carried(now_s, self._model), self._model, now_s)
             return
         if len(believed) > 1:
-            self._reason = f"cold: {len(believed)} places are believed at once, so none is"
+            self._reason = f"conflict: {len(believed)} places are believed at once, so none is given out"
         else:
             self._reason = self._why_cold()
 
@@ -186,7 +202,7 @@ class Navigator:
         begin = track.prior_for(now_s - self._model.window_s)
         length_s = min(self._model.window_s, now_s - begin.time_s)
         if length_s < self._model.shortest_window_s:
-            return track.last
+            return track.carry(self._epochs[-1], now_s)
         window = self._prepare(now_s, length_s)
         return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
 

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
+from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
 from navfix.association.window.as_fix import as_fix
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import NavigatorModel
-from navfix.association.scene import position_of
+from navfix.integrity import with_window_integrity
 from navfix.sequence.places import Place, as_prior
 from navfix.types import Association, Epoch, Fix
 
@@ -25,7 +27,7 @@ class Held:
     fix: Fix | None
     association: Association | None
     evidence: float
-    source: str
+    source: Literal["blind", "prior"]
 
 
 class Track:
@@ -63,9 +65,11 @@ class Track:
     def take_blind(self, found: Joint, epoch: Epoch, now_s: float) -> Held:
         """Take a blind answer at this place as the fix."""
         window, answers = found.window, found.answers
-        pose = jackknife.pose_at_end(window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior)
-        association = associate.association(found, epoch, pose=pose)
-        fix = as_fix(found, 0, pose, association, epoch)
+        pose = jackknife.pose_at_end(
+            window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior
+        )
+        association = associate.association(found, pose)
+        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch))
         place = _place(window, pose, now_s)
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         return self._take(Held(place, fix, association, given_place, "blind"), now_s)
@@ -77,10 +81,29 @@ class Track:
         answers = found.answers
         known = window.prior.given(prior)
         pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
-        association = associate.association(found, epoch, pose=pose)
+        association = associate.association(found, pose)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = as_fix(found, 0, pose, association, epoch) if enough else None
-        return self._take(Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s)
+        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch)) if enough else None
+        return self._take(
+            Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
+        )
+
+    def carry(self, epoch: Epoch, now_s: float) -> Held | None:
+        """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet."""
+        last = self.last
+        place = self.place_at(now_s)
+        if last is None or last.fix is None:
+            return None
+        fix = replace(
+            last.fix,
+            position=place.position,
+            covariance=place.covariance,
+            cofactor_matrix=place.covariance,
+            association=None,
+            epoch=epoch,
+            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s.",),
+        )
+        return Held(place, with_window_integrity(fix), None, last.evidence, "prior")
 
     def _take(self, held: Held, now_s: float) -> Held:
         self.last = held
@@ -103,7 +126,11 @@ class Track:
             self.lapsed, self._lapsed_since_s = True, now_s
         elif self.lapsed and evidence >= model.back_evidence:
             self.lapsed, self._lapsed_since_s = False, math.inf
-        self.why_lapsed = f"lapsed: the tracks of the last {model.lapse_memory_s:.0f} s hardly speak for the place" if self.lapsed else ""
+        self.why_lapsed = (
+            f"lapsed: the tracks of the last {model.lapse_memory_s:.0f} s hardly speak for the place"
+            if self.lapsed
+            else ""
+        )
         if self.lapsed and now_s - self._lapsed_since_s > model.drop_after_s:
             self.given_up = f"given up: nothing has spoken for the place for {model.drop_after_s:.0f} s"
 

@@ -26,6 +26,7 @@ from navfix.types.observed import (
     SpeedHint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
+from navfix.types.track import TrackState, TrackStatus
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
 
 __all__ = [
@@ -57,6 +58,8 @@ __all__ = [
     "SecondGroup",
     "ShipVeracity",
     "SpeedHint",
+    "TrackState",
+    "TrackStatus",
     "VeracityStatus",
     "Verdict",
     "confidence_radius",

@@ -10,7 +10,7 @@ import numpy as np
 from navfix.association.scene import position_of
 from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
-from navfix.association.window.joint import Joint
+from navfix.association.window.joint import Joint, Window
 from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray
 from navfix.units import wrap_360
 
@@ -43,18 +43,28 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
     )
 
 
-def _observations(window, track: int, mark: int, misfit_m: FloatArray, pose: PoseAtEnd) -> list[AdjustedObservation]:
+def _observations(
+    window: Window, track: int, mark: int, misfit_m: FloatArray, pose: PoseAtEnd
+) -> list[AdjustedObservation]:
     scene = window.field.scene
     range_m = float(scene.flat.range_m[track])
     bearing_deg = math.degrees(float(scene.flat.bearing_rad[track]))
     mark_m2 = float(scene.paths.constant_m[mark] ** 2)
-    kind: Literal["relative_bearing", "true_bearing"] = "true_bearing" if scene.flat.reference == "true" else "relative_bearing"
+    kind: Literal["relative_bearing", "true_bearing"] = (
+        "true_bearing" if scene.flat.reference == "true" else "relative_bearing"
+    )
     azimuth = math.radians(bearing_deg) + pose.heading_rad - scene.yaw_at_end
     made = []
     for axis, name in enumerate(("range", kind)):
         unit = 1.0 if axis == 0 else math.degrees(1.0 / range_m)
-        sigma_m = math.sqrt(float(scene.constant_m2[track, axis] + scene.white_m2[track, axis] / scene.bins[track]) + mark_m2)
-        along = np.array([math.cos(azimuth), math.sin(azimuth), 0.0] if axis == 0 else [-math.sin(azimuth), math.cos(azimuth), range_m])
+        sigma_m = math.sqrt(
+            float(scene.constant_m2[track, axis] + scene.white_m2[track, axis] / scene.bins[track]) + mark_m2
+        )
+        along = np.array(
+            [math.cos(azimuth), math.sin(azimuth), 0.0]
+            if axis == 0
+            else [-math.sin(azimuth), math.cos(azimuth), range_m]
+        )
         redundancy = float(np.clip(1.0 - along @ pose.formal @ along / sigma_m**2, 0.0, 1.0))
         residual_m, observed = float(misfit_m[axis]), range_m if axis == 0 else wrap_360(bearing_deg)
         made.append(

@@ -10,12 +10,13 @@ import numpy as np
 from navfix.association import ambiguity
 from navfix.association.scene import position_of
 from navfix.association.window import jackknife, joint, pairs
+from navfix.association.window.as_fix import as_fix
 from navfix.association.window.evidence import Answers
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
-from navfix.types import Alternative, Association, Epoch
+from navfix.types import Alternative, Association, Epoch, Fix
 
 LARGEST_MARGIN = 1000.0
 
@@ -40,12 +41,22 @@ def associate_window(
     NoAgreement : no own motion explains the tracks better than chance; Ambiguous : another explains them nearly as well
     InputError : epochs without a time, or not in the order of time
     """
+    return solve_window(epochs, model=model, shared=shared)[1]
+
+
+def solve_window(
+    epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
+) -> tuple[Fix, Association]:
+    """Return the fix of a window at its newest epoch, and the association behind it; raises as `associate_window`."""
     require_order(epochs)
     window = joint.prepare(epochs, window_model(model), association_model(shared))
     require_enough(window)
     found = joint.cold(window)
     require_agreement(found)
-    return association(found, epochs[-1])
+    best = found.answers.take(np.array([0]))
+    pose = jackknife.pose_at_end(window.field, best.knots, best.information, window.prior)
+    matched = association(found, pose)
+    return as_fix(found, 0, pose, matched, epochs[-1]), matched
 
 
 def require_order(epochs: Sequence[Epoch]) -> None:
@@ -113,10 +124,9 @@ def _alternative(window: Window, answers: Answers, row: int) -> Alternative:
     )
 
 
-def association(found: Joint, newest: Epoch, *, row: int = 0, pose: PoseAtEnd | None = None) -> Association:
-    """Return the association of one answer for the newest epoch."""
-    window, answers = found.window, found.answers.take(np.array([row]))
-    pose = pose or jackknife.pose_at_end(window.field, answers.knots, answers.information, window.prior)
+def association(found: Joint, pose: PoseAtEnd) -> Association:
+    """Return the association of the best answer for the newest epoch of its window."""
+    window, answers = found.window, found.answers.take(np.array([0]))
     evidence = float(answers.evidence[0])
     ahead = min(found.answers.margin, LARGEST_MARGIN)
     index, probability = _newest_pairs(window, answers)
@@ -137,7 +147,9 @@ def association(found: Joint, newest: Epoch, *, row: int = 0, pose: PoseAtEnd | 
 def probability_wrong(evidence: float, ahead: float, model: WindowModel, shared: AssociationModel) -> float:
     """Return the probability that an accepted window is wrong, never below what the negative controls support."""
     rival = ambiguity.probability_of_rival(ahead, shared)
-    return min(1.0, max(model.least_probability_wrong, rival + model.least_probability_wrong * math.exp(-evidence / 3.0)))
+    return min(
+        1.0, max(model.least_probability_wrong, rival + model.least_probability_wrong * math.exp(-evidence / 3.0))
+    )
 
 
 def _newest_pairs(window: Window, answers: Answers) -> tuple[np.ndarray, np.ndarray]:

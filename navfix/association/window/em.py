@@ -153,5 +153,7 @@ def _clutter_weight(field: WindowField, expected: Expectation) -> FloatArray:
         return weight
     line = (clutter.kind[..., None] / field.line_m2[:, None]).sum(axis=0)
     weight[..., 1, :] = expected.on_clutter[..., None] * line
-    weight[..., 2:, :] = (expected.on_clutter * clutter.scatter_weight)[..., None, None] / scene.white_m2[None, :, None, :]
+    weight[..., 2:, :] = (expected.on_clutter * clutter.scatter_weight)[..., None, None] / scene.white_m2[
+        None, :, None, :
+    ]
     return np.where(scene.used[None, :, :, None], weight, 0.0)

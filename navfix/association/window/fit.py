@@ -97,7 +97,9 @@ def lay_over(field: WindowField, knots: Knots, *, position_only: bool = False) -
     turned = np.exp(1j * knots.heading_rad)[:, None, :] * scene.rho[None]  # (k, m, K)
     world = np.where(scene.alive[None], knots.p[:, None, :] + turned, 0.0)
     mark = _nearest(field, world)
-    middle = np.take_along_axis(turned, np.broadcast_to(scene.middle_bin[None, :, None], (*turned.shape[:2], 1)), axis=2)
+    middle = np.take_along_axis(
+        turned, np.broadcast_to(scene.middle_bin[None, :, None], (*turned.shape[:2], 1)), axis=2
+    )
     axis = middle[:, :, 0] / np.maximum(np.abs(middle[:, :, 0]), 1e-9)
     back = np.conj(axis)[:, :, None]
     clock = knots.clock_s[:, None, None, None]
@@ -107,7 +109,9 @@ def lay_over(field: WindowField, knots: Knots, *, position_only: bool = False) -
     lever = np.where(scene.alive[None], 1j * turned * back, 0.0)
     if position_only:
         none = np.zeros((*mark.shape, 0, 2))
-        return Fit(mark, in_basis(scene.basis[:, :1], misfit), _variance(field, mark, 1), none, none[:, :, 0], axis, lever)
+        return Fit(
+            mark, in_basis(scene.basis[:, :1], misfit), _variance(field, mark, 1), none, none[:, :, 0], axis, lever
+        )
     rate = np.where(scene.alive[None, :, None, :], v * back[..., None], 0.0)
     return Fit(
         mark,
@@ -179,7 +183,9 @@ def as_clutter(field: WindowField, path: FloatArray) -> Clutter:
     return Clutter(log_line + log_scatter, kind, weight)
 
 
-def log_fit(field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False) -> tuple[FloatArray, FloatArray]:
+def log_fit(
+    field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False
+) -> tuple[FloatArray, FloatArray]:
     """Return ln density (k, m, q) of every track on its marks, its mean per m^2, and the weight of its scatter."""
     scene = field.scene
     variance = fit.variance_m2

@@ -17,7 +17,6 @@ from navfix.catalog import WindowModel
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
 
-
 LOOSE_M, LOOSE_RAD = 3000.0, 0.5  # how far a motion without any mark may wander from where it started
 
 
@@ -40,7 +39,9 @@ class Knots:
         """Return the motions after a step (k, 3 K + 1) of the unknowns."""
         by_knot = step[:, :-1].reshape(len(self), -1, 3)
         return Knots(
-            self.p + by_knot[:, :, 0] + 1j * by_knot[:, :, 1], self.heading_rad + by_knot[:, :, 2], self.clock_s + step[:, -1]
+            self.p + by_knot[:, :, 0] + 1j * by_knot[:, :, 1],
+            self.heading_rad + by_knot[:, :, 2],
+            self.clock_s + step[:, -1],
         )
 
     def offset_from(self, other: Knots) -> FloatArray:
@@ -177,7 +178,11 @@ def motion_prior(knot_s: FloatArray, gauge: int, log_area: float, model: WindowM
     if count > 1:
         step_s = float(knot_s[1] - knot_s[0])
         heading = np.radians(model.heading_walk_deg) * math.sqrt(step_s / 10.0)
-        for axis, order, sigma in ((0, 2, model.acceleration_mps2 * step_s**2), (1, 2, model.acceleration_mps2 * step_s**2), (2, 1, heading)):
+        for axis, order, sigma in (
+            (0, 2, model.acceleration_mps2 * step_s**2),
+            (1, 2, model.acceleration_mps2 * step_s**2),
+            (2, 1, heading),
+        ):
             difference = np.diff(np.eye(count), n=order, axis=0) / sigma
             rows += [_at_axis(row, axis) for row in difference]
         span = (np.eye(count)[-1] - np.eye(count)[0]) / (float(knot_s[-1] - knot_s[0]) * model.speed_mps)

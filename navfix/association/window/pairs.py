@@ -52,6 +52,8 @@ def log_ratios(field: WindowField, knots: Knots) -> tuple[IntArray, FloatArray]:
     """Return the marks near every track (k, m, q) and ln of N_ij / (lambda_i V_i) (k, m, q), at least -5."""
     fit = lay_over(field, knots)
     ratio, _ = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)
-    pd = NOMINAL_LEVEL * field.flat.detection(field.scene.flat.range_m[None, :, None], field.scene.flat.conspicuity[fit.mark])
+    pd = NOMINAL_LEVEL * field.flat.detection(
+        field.scene.flat.range_m[None, :, None], field.scene.flat.conspicuity[fit.mark]
+    )
     log_ratio: FloatArray = np.log(np.maximum(ratio * (1.0 - pd) / pd, np.exp(LEAST_LOG_RATIO)))
     return fit.mark, log_ratio

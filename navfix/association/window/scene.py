@@ -140,7 +140,9 @@ def _bases(alive: np.ndarray, knot_s: FloatArray) -> tuple[FloatArray, np.ndarra
     basis, used, spread = np.zeros((tracks, count, count)), np.zeros((tracks, count), dtype=bool), np.zeros(tracks)
     for i, row in enumerate(alive):
         bins = np.flatnonzero(row)
-        powers = np.vander(knot_s[bins] - knot_s[bins].mean(), len(bins), increasing=True) / 10.0 ** np.arange(len(bins))
+        powers = np.vander(knot_s[bins] - knot_s[bins].mean(), len(bins), increasing=True) / 10.0 ** np.arange(
+            len(bins)
+        )
         q, r = np.linalg.qr(powers)
         basis[i, : len(bins), bins] = q * np.sign(np.diag(r))  # mean and line point forward
         used[i, : len(bins)] = True
@@ -148,7 +150,9 @@ def _bases(alive: np.ndarray, knot_s: FloatArray) -> tuple[FloatArray, np.ndarra
     return basis, used, spread
 
 
-def _variances(tracks: list[Track], rho: ComplexArray, alive: np.ndarray, model: WindowModel) -> tuple[FloatArray, FloatArray]:
+def _variances(
+    tracks: list[Track], rho: ComplexArray, alive: np.ndarray, model: WindowModel
+) -> tuple[FloatArray, FloatArray]:
     """Return the constant and the white variances (m, 2) of the tracks, radial and tangential [m^2]."""
     range_m = np.abs(rho).sum(axis=1) / np.maximum(alive.sum(axis=1), 1)
     told_m = np.array([track.range_sigma_m or 0.0 for track in tracks])
@@ -160,7 +164,13 @@ def _variances(tracks: list[Track], rho: ComplexArray, alive: np.ndarray, model:
 
 
 def _flat(
-    origin, rho: ComplexArray, constant: FloatArray, paths: MarkPaths, knot: int, reference: str, shared: AssociationModel
+    origin,
+    rho: ComplexArray,
+    constant: FloatArray,
+    paths: MarkPaths,
+    knot: int,
+    reference: str,
+    shared: AssociationModel,
 ) -> Scene:
     """Return the scene of one instant: what clutter density, conspicuity and searched area are taken from."""
     range_m = np.abs(rho)

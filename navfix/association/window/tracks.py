@@ -59,13 +59,16 @@ def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tu
     turns = common_yaw(scans) if reference == "relative" else np.zeros(len(scans))
     yaw = Yaw(times_s, turns)
     newest = {t.label: i for i, t in enumerate(epochs[-1].targets) if t.bearing_reference == reference}
+    fewest = min(model.fewest_reports, len(scans))
     found = []
     for label in sorted({label for scan in scans for label in scan}):
-        reports = [(scan[label][0], scan[label][1], turn) for scan, turn in zip(scans, turns, strict=True) if label in scan]
+        reports = [
+            (scan[label][0], scan[label][1], turn) for scan, turn in zip(scans, turns, strict=True) if label in scan
+        ]
         parts = list(_pieces(reports, model))
         for number, part in enumerate(parts):
             live = label in newest and number == len(parts) - 1
-            if len(part) >= model.fewest_reports:
+            if len(part) >= fewest:
                 found.append(_track(label, part, newest[label] if live else -1))
     return sorted(found, key=lambda track: -len(track.time_s)), yaw
 
@@ -100,7 +103,9 @@ def _scan(epoch: Epoch, reference: str) -> dict[str, Report]:
     }
 
 
-def _pieces(reports: list[tuple[float, RadarTarget, float]], model: WindowModel) -> Iterator[list[tuple[float, RadarTarget, complex]]]:
+def _pieces(
+    reports: list[tuple[float, RadarTarget, float]], model: WindowModel
+) -> Iterator[list[tuple[float, RadarTarget, complex]]]:
     """Yield the pieces of one target number between reuses."""
     piece: list[tuple[float, RadarTarget, complex]] = []
     for time_s, target, turn in reports:

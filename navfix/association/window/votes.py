@@ -63,7 +63,9 @@ def _candidates(index: PairIndex, pairs: RadarPairs, field: WindowField) -> tupl
     count = high - low
     count = count[np.cumsum(2 * count) <= field.model.votes_at_most]
     pair = np.repeat(np.arange(len(count)), count)
-    entry = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low[: len(count)], count)
+    entry = (
+        np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low[: len(count)], count)
+    )
     return pair, entry
 
 
