@@ -1,4 +1,4 @@
-"""``navfix fix``: one radar scan of a log, or with --window the scans before it too -> position, heading, ellipse and residual report."""
+"""``navfix fix``: one radar scan of a log, or a window of scans -> position, heading, ellipse, residual report."""
 
 from __future__ import annotations
 

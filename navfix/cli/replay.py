@@ -1,4 +1,4 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, a place held from scan to scan, the GNSS verdict lasting."""
+"""``navfix replay``: every radar scan of a log -> JSON lines; a place is held from scan to scan."""
 
 from __future__ import annotations
 

@@ -29,7 +29,8 @@ class Answer:
     """The fix of one epoch with everything that stands beside it, or the reason why there is none.
 
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
-    "adjust"); ``track`` is what the navigator knows of its place. ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
+    "adjust"); ``track`` is what the navigator knows of its place. ``notes`` are sentences for the reader of the
+    report; ``cautions`` are those that he must not miss.
 
     Raises
     ------

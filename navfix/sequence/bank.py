@@ -1,9 +1,9 @@
 """The bank of hypotheses: every place that may be right, each judged by all that was seen over minutes.
 
-A blind solve of a window proposes places; each is then carried along and fitted to windows that share no data. For every
-(track, ship) the mean of its log likelihood ratio over the windows is kept: a constant error is not fresh evidence in
-every scan, and a lost match takes its credit back. The score of a place counts each track and each ship once:
-eq. (6.19) of the theory. What is right stands ahead of every rival after minutes; what is foreign does not.
+A blind solve of a window proposes places; each is then carried along and fitted to windows that share no data. For
+every (track, ship) the mean of its log likelihood ratio over the windows is kept: a constant error is not fresh
+evidence in every scan, and a lost match takes its credit back. The score of a place counts each track and each ship
+once: eq. (6.19) of the theory. What is right stands ahead of every rival after minutes; what is foreign does not.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from navfix.sequence.places import Place, as_prior
 from navfix.types import FloatArray
 
 LOST = -5.0  # what a pair is worth in a window where its track lives and is not near its ship
+STEADY_SQ = 1.0  # squared Mahalanobis distance to its own prior up to which a place pays nothing
 LOG_VOLUME = 1.5 * math.log(2.0 * math.pi)
 
 
@@ -49,12 +50,17 @@ class Mean:
 
 @dataclass(slots=True, eq=False)
 class Hypothesis:
-    """A place with what speaks for it: log ratios by (life, mark), detection by mark, own motion against the null."""
+    """A place with what speaks for it: log ratios by (life, mark), detection by mark, own motion against the null.
+
+    ``strayed`` is what it pays for moving away from where it said it would be: a place that wanders from ship to ship
+    collects the evidence of many accidents.
+    """
 
     place: Place
     born_s: float
     pairs: dict[tuple[int, str], Mean] = field(default_factory=dict)
     detection: dict[str, Mean] = field(default_factory=dict)
+    strayed: float = 0.0
     motion: Mean = field(default_factory=Mean)
     windows: int = 0
     score: float = -math.inf
@@ -115,8 +121,12 @@ class Bank:
         found = joint.warm(window, prior)
         places = places_of(window, found.answers.knots, found.answers.information)
         self._credit(self.hypotheses, found)
-        for h, place, evidence in zip(self.hypotheses, places, found.answers.evidence, strict=True):
-            h.place, h.evidence = place, float(evidence)
+        strayed = 0.5 * np.maximum(window.prior.given(prior).pose_misfit_sq(found.answers.knots) - STEADY_SQ, 0.0)
+        fading = math.exp(-self._model.bank_every_s / self._model.memory_s)
+        for h, place, evidence, debt in zip(
+            self.hypotheses, places, found.answers.evidence.tolist(), strayed.tolist(), strict=True
+        ):
+            h.place, h.evidence, h.strayed = place, evidence, fading * h.strayed + debt
 
     def _bear(self, found: Joint, now_s: float) -> None:
         """Add the answers of a blind solve at places where there is no hypothesis yet."""
@@ -179,7 +189,9 @@ class Bank:
         log_mean = float(log_mean_evidence(levels, index, np.array(self._shared.clutter_share), len(marks))[0])
         volume = LOG_VOLUME + 0.5 * float(np.linalg.slogdet(h.place.covariance)[1])
         explained = int((log_ratio.max(axis=0) > 1.0).sum())
-        return log_mean + min(h.motion.value, 0.0) + min(volume - log_area - math.log(2.0 * math.pi), 0.0), explained
+        return log_mean - h.strayed + min(h.motion.value, 0.0) + min(
+            volume - log_area - math.log(2.0 * math.pi), 0.0
+        ), explained
 
     def _prune(self) -> None:
         """Keep the best of every group that has come together, and nothing far behind the best."""
@@ -225,7 +237,7 @@ def _detection(field: WindowField, knots: Knots) -> FloatArray:
 def _motion(window: Window, knots: Knots) -> FloatArray:
     """Return by how much own motion (k,) makes the clutter likelier than the null's own motion does."""
     clutter = as_clutter(window.field, lay_over(window.field.without_marks, knots).path)
-    fitted = clutter.log_density.sum(axis=1) + window.prior.log_shape(knots)
+    fitted: FloatArray = clutter.log_density.sum(axis=1) + window.prior.log_shape(knots)
     null_path = lay_over(window.field.without_marks, window.null.shape).path
-    null = as_clutter(window.field, null_path).log_density.sum() + window.prior.log_shape(window.null.shape)[0]
-    return fitted - null
+    null = float(as_clutter(window.field, null_path).log_density.sum() + window.prior.log_shape(window.null.shape)[0])
+    return np.asarray(fitted - null, dtype=np.float64)

@@ -122,7 +122,7 @@ class Navigator:
     # ------------------------------------------------------------------------------------------------ belief
 
     def _update_bank(self, now_s: float) -> None:
-        """Every half minute: carry all places over the data since the last time, and let blind solves propose new ones."""
+        """Every half minute: carry all places over the data since, and let blind solves propose new ones."""
         model = self._model
         if now_s - self._last_bank_s < model.bank_every_s - 0.1:
             return

@@ -1,4 +1,4 @@
-"""What a step of the navigator gives: a status, a fix or the reason why there is none, and what is known of the track."""
+"""What a step of the navigator gives: a status, a fix or the reason why there is none, and the state of the track."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ class Place:
     covariance: FloatArray
 
     def carried(self, to_s: float, model: NavigatorModel) -> Place:
-        """Return the place carried to another instant by its velocity; what is not seen meanwhile makes it less sure."""
+        """Return the place carried to another instant by its velocity; what happens unseen makes it less sure."""
         after_s = to_s - self.time_s
         step = self.velocity_mps * after_s
         position = LocalPlane(self.position).to_position(step.real, step.imag)

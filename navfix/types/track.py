@@ -14,8 +14,9 @@ class TrackState:
 
     ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
     conflict: two places are believed, none is given out. ``probability_wrong`` is at most this (None without a place);
-    ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every other;
-    ``since_s`` how long the place has been held; ``source`` "blind" or "prior": whether the newest fix needed the track.
+    ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every
+    other; ``since_s`` how long the place has been held; ``source`` "blind" or "prior": whether the newest fix needed
+    the track.
     """
 
     status: TrackStatus

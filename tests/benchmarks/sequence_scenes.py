@@ -1,4 +1,4 @@
-"""Recordings for the studies over time: measured ones, simulated ports, and the radar of one place with another's AIS."""
+"""Recordings for the studies over time: measured, simulated ports, the radar of one place with the AIS of another."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,32 +55,65 @@ def port(seed: int, *, ais_share: float = 0.3, targets: int = 24, duration_s: fl
     """Return a simulated port: quays, an anchorage, a lane, small craft; ``ais_share`` of the echoes have a partner."""
     rng = np.random.default_rng(seed)
     common = max(3, round(ais_share * targets))
-    rest = targets - common
-    quay = rng.uniform(0.0, 360.0)
-    anchored, lane = round(0.4 * common), common - round(0.4 * common)
-    group = [
-        dict(layout="anchorage", count=max(anchored, 1), radius_m=4500.0, spacing_m=400.0, axis_deg=quay, hull_min_m=30.0),
-        dict(layout="lane", count=max(lane, 1), axis_deg=quay + 60.0, length_m=16000.0, width_m=2500.0, speed_max_mps=9.0),
-        dict(layout="uniform", count=round(0.8 * targets), radius_m=40000.0, inner_radius_m=9000.0, speed_max_mps=9.0),
-        dict(layout="anchorage", count=round(0.8 * targets), north_m=9000.0, east_m=-12000.0, radius_m=7000.0, spacing_m=400.0),
-        dict(layout="uniform", count=rest // 3, radius_m=7000.0, inner_radius_m=600.0, with_ais=0.0, hull_min_m=8.0,
-             hull_max_m=40.0, speed_min_mps=0.0, speed_max_mps=5.0, turning=0.5),
-        dict(layout="anchorage", count=rest - rest // 3, north_m=float(rng.uniform(-3000, 3000)),
-             east_m=float(rng.uniform(-3000, 3000)), radius_m=2500.0, spacing_m=150.0, with_ais=0.0,
-             axis_deg=quay, hull_min_m=20.0, hull_max_m=80.0),
-    ]  # fmt: skip
+    quay = float(rng.uniform(0.0, 360.0))
     content = {
-        "title": "A port", "source": "made up", "start_utc": datetime(2026, 5, 1, 12, tzinfo=UTC),
-        "duration_s": duration_s, "lat_deg": float(rng.uniform(-50.0, 60.0)), "lon_deg": float(rng.uniform(-170.0, 170.0)),
-        "own": {"speed_mps": float(rng.uniform(0.0, 6.0)), "course_deg": float(rng.uniform(0.0, 360.0)),
-                "turn_at_s": 0.4 * duration_s, "turn_deg": float(rng.uniform(-60.0, 60.0)), "yaw_deg": 2.0},
-        "traffic": group,
-        "radar": {"maximum_range_m": 9260.0, "acquired": 0.7, "detection": 0.85, "bearing_bias_deg": -3.0,
-                  "clock_offset_s": float(rng.uniform(-4.0, 2.0)), "target_speed": "blank", "false_per_turn": 0.05},
-    }  # fmt: skip
+        "title": "A port",
+        "source": "made up",
+        "start_utc": datetime(2026, 5, 1, 12, tzinfo=UTC),
+        "duration_s": duration_s,
+        "lat_deg": float(rng.uniform(-50.0, 60.0)),
+        "lon_deg": float(rng.uniform(-170.0, 170.0)),
+        "own": {
+            "speed_mps": float(rng.uniform(0.0, 6.0)),
+            "course_deg": float(rng.uniform(0.0, 360.0)),
+            "turn_at_s": 0.4 * duration_s,
+            "turn_deg": float(rng.uniform(-60.0, 60.0)),
+            "yaw_deg": 2.0,
+        },
+        "traffic": [*_with_ais(targets, common, quay), *_without_ais(targets - common, quay, rng)],
+        "radar": {
+            "maximum_range_m": 9260.0,
+            "acquired": 0.7,
+            "detection": 0.85,
+            "bearing_bias_deg": -3.0,
+            "clock_offset_s": float(rng.uniform(-4.0, 2.0)),
+            "target_speed": "blank",
+            "false_per_turn": 0.05,
+        },
+    }
     recording = scenario.simulate(scenario.from_table(content, name=f"port{seed}"), seed)
     track = TruthTrack.parse(truth_csv(recording).splitlines())
     return Run(f"port{seed}_{ais_share:g}", tuple(read_log(list(recording.lines), report=False).records), track)
+
+
+def _with_ais(targets: int, common: int, quay_deg: float) -> list[dict[str, Any]]:
+    """Return the ships with AIS: those in radar range, and as many again that radar does not see."""
+    anchored = max(round(0.4 * common), 1)
+    far = {"count": round(0.8 * targets), "radius_m": 7000.0, "north_m": 9000.0, "east_m": -12000.0}
+    return [
+        {"layout": "anchorage", "count": anchored, "radius_m": 4500.0, "spacing_m": 400.0, "axis_deg": quay_deg},
+        {"layout": "lane", "count": max(common - anchored, 1), "axis_deg": quay_deg + 60.0, "length_m": 16000.0},
+        {"layout": "uniform", "count": round(0.8 * targets), "radius_m": 40000.0, "inner_radius_m": 9000.0},
+        {"layout": "anchorage", "spacing_m": 400.0, **far},
+    ]
+
+
+def _without_ais(count: int, quay_deg: float, rng: np.random.Generator) -> list[dict[str, Any]]:
+    """Return what radar sees and AIS does not tell: small craft that move, and a mooring."""
+    craft = {"radius_m": 7000.0, "inner_radius_m": 600.0, "speed_min_mps": 0.0, "speed_max_mps": 5.0, "turning": 0.5}
+    place = {"north_m": float(rng.uniform(-3000, 3000)), "east_m": float(rng.uniform(-3000, 3000)), "radius_m": 2500.0}
+    hulls = {"with_ais": 0.0, "hull_min_m": 8.0, "hull_max_m": 60.0}
+    return [
+        {"layout": "uniform", "count": count // 3, **craft, **hulls},
+        {
+            "layout": "anchorage",
+            "count": count - count // 3,
+            "spacing_m": 150.0,
+            "axis_deg": quay_deg,
+            **place,
+            **hulls,
+        },
+    ]
 
 
 def foreign(radar: Run, ais: Run, *, skip_s: float = 0.0) -> Run:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,7 +67,7 @@ def require_order(epochs: Sequence[Epoch]) -> None:
     times = [epoch.time_utc for epoch in epochs]
     if any(time is None for time in times):
         raise InputError("a window of scans needs the time of every epoch; one has none: solve them one by one")
-    if any(later < earlier for earlier, later in zip(times, times[1:], strict=False)):  # type: ignore[operator]
+    if any(later < earlier for earlier, later in pairwise(times)):  # type: ignore[operator]
         raise InputError("the epochs of a window must be in the order of time")
 
 

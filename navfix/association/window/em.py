@@ -96,7 +96,7 @@ def knot_step(
     information, gradient = normal_equations(field, fit, expect(field, fit, widening), widening, track_weight)
     information += prior.full_information
     gradient += prior.gradient(knots)
-    step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
+    step: FloatArray = np.asarray(np.linalg.solve(information, gradient[:, :, None])[:, :, 0], dtype=np.float64)
     return knots.moved(step), information
 
 
@@ -133,7 +133,7 @@ def _jacobian(field: WindowField, fit: Fit) -> FloatArray:
     back = np.broadcast_to(np.conj(fit.axis)[:, :, None], fit.lever.shape)
     columns = np.stack([back, 1j * back, fit.lever], axis=-1)  # (k, m, b, 3)
     parts = np.stack([columns.real, columns.imag], axis=2)  # (k, m, a, b, 3)
-    J = scene.basis[None, :, :, None, :, None] * parts[:, :, None]  # (k, m, s, a, b, 3)
+    J: FloatArray = scene.basis[None, :, :, None, :, None] * parts[:, :, None]  # (k, m, s, a, b, 3)
     return J.reshape(len(J), math.prod(J.shape[1:4]), 3 * scene.knots)
 
 

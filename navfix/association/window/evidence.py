@@ -24,7 +24,7 @@ GATE = 11.8  # chi-square, 2 degrees of freedom, 99.73 %
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Own motions (k) with their evidence, best first; ``information`` (k, d, d); ``marks`` (k,) distinct ones matched."""
+    """Own motions (k) with ``evidence`` (k,), best first, ``information`` (k, d, d), and how many ``marks`` (k,) match."""
 
     knots: Knots
     information: FloatArray
@@ -64,7 +64,8 @@ def log_likelihood(field: WindowField, knots: Knots, fit: Fit) -> FloatArray:
     )
     share = np.array(field.shared.clutter_share)
     log_mean = log_mean_evidence(levels, fit.mark, share, len(field.scene.paths.marks))
-    return log_mean + clutter.log_density.sum(axis=1)
+    total: FloatArray = log_mean + clutter.log_density.sum(axis=1)
+    return total
 
 
 def distinct(found: Answers, field: WindowField) -> Answers:

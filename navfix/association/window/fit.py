@@ -1,8 +1,9 @@
 """Tracks laid over the paths of the marks: how well each track fits each mark near it, and how well it fits clutter.
 
 A track is judged in its own basis (mean, line, scatter). On a mark: normal with the variances of track and mark
-together. As clutter: any place (the local density), a mixture of still and moving over ground for the line, and the same
-scatter about it. Whatever own motion explains badly makes both small, so own motion is a part of the evidence too.
+together. As clutter: any place (the local density), a mixture of still and moving over ground for the line, and the
+same scatter about it. Whatever own motion explains badly makes both small, so own motion is a part of the evidence
+too.
 """
 
 from __future__ import annotations
@@ -61,7 +62,8 @@ class WindowField:
     def line_m2(self) -> FloatArray:
         """Variances (3, m, 2) of the line of clutter: still, moving and jumping [m^2]."""
         speed = np.array([self.model.still_mps, self.model.moving_mps, self.model.jumping_mps])
-        return self.scene.white_m2[None] + self.scene.spread_s2[None, :, None] * speed[:, None, None] ** 2
+        moved: FloatArray = self.scene.spread_s2[None, :, None] * speed[:, None, None] ** 2
+        return self.scene.white_m2[None] + moved
 
     @cached_property
     def line_share(self) -> FloatArray:

@@ -1,7 +1,7 @@
 """Step 8: the covariance of the newest instant - the inverse Hessian, and what each track moves when it is left out.
 
-The Hessian trusts the stated errors. Tracks err in ways that nobody stated (a hull seen from one side, a clock), and few
-of them carry a fix: so each matched track is left out in turn and the spread of what remains is added.
+The Hessian trusts the stated errors. Tracks err in ways that nobody stated (a hull seen from one side, a clock), and
+few of them carry a fix: so each matched track is left out in turn and the spread of what remains is added.
 """
 
 from __future__ import annotations

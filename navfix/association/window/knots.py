@@ -1,8 +1,8 @@
 """Step 3: own motion over the window as knots, and what is known of it beforehand.
 
-Unknowns are (north, east, heading) at each knot, three a knot, and one offset of the radar's clock against AIS. A priori:
-an unknown acceleration, a walk of the heading, a speed, a clock offset - and the pose of one knot, unknown (the gauge) or
-given by an earlier fix. All priors are Gaussian and none depends on where north is.
+Unknowns are (north, east, heading) at each knot, three a knot, and one offset of the radar's clock against AIS. A
+priori: an unknown acceleration, a walk of the heading, a speed, a clock offset - and the pose of one knot, unknown
+(the gauge) or given by an earlier fix. All priors are Gaussian and none depends on where north is.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ class PosePrior:
 
 @dataclass(frozen=True, eq=False)
 class MotionPrior:
-    """Gaussian prior of the unknowns: ``information`` (d, d) of the shape and the clock; ``pose`` what is known besides.
+    """Gaussian prior of the unknowns: ``information`` (d, d) of shape and clock; ``pose`` what is known besides.
 
     ``log_area`` is ln of the searched area [m^2], for a pose of which nothing is known.
     """
@@ -119,8 +119,8 @@ class MotionPrior:
         """Information (k or 1, d, d) with that of the pose; of an unknown one a trace, so that a motion stays."""
         known = self.pose
         at = 3 * (self.gauge if known is None else known.knot)
-        pose = np.diag(1.0 / np.array([LOOSE_M, LOOSE_M, LOOSE_RAD]) ** 2)[None]
-        pose = pose if known is None else np.linalg.inv(known.covariance)
+        loose: FloatArray = np.diag(1.0 / np.array([LOOSE_M, LOOSE_M, LOOSE_RAD]) ** 2)[None]
+        pose = loose if known is None else np.asarray(np.linalg.inv(known.covariance), dtype=np.float64)
         full = np.repeat(self.information[None], len(pose), axis=0)
         full[:, at : at + 3, at : at + 3] += pose
         return full
@@ -146,10 +146,17 @@ class MotionPrior:
         if self.pose is None:
             anywhere = -self.log_area - math.log(2.0 * math.pi) + 1.5 * math.log(2.0 * math.pi)
             return total + 0.5 * self._log_det_shape() + anywhere
-        offset = self._pose_offset(self.pose, knots)
-        total -= 0.5 * (offset * np.linalg.solve(self.pose.covariance, offset[:, :, None])[:, :, 0]).sum(axis=1)
+        total -= 0.5 * self.pose_misfit_sq(knots)
         density: FloatArray = total + 0.5 * np.linalg.slogdet(self.full_information)[1]
         return density
+
+    def pose_misfit_sq(self, knots: Knots) -> FloatArray:
+        """Return the squared Mahalanobis distance (k,) of the motions to the pose that was known beforehand."""
+        if self.pose is None:
+            return np.zeros(len(knots))
+        offset = self._pose_offset(self.pose, knots)
+        square: FloatArray = (offset * np.linalg.solve(self.pose.covariance, offset[:, :, None])[:, :, 0]).sum(axis=1)
+        return square
 
     def without_pose(self) -> FloatArray:
         """Return the information of the shape alone (d - 4, d - 4): no pose, no clock."""

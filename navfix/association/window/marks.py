@@ -1,8 +1,8 @@
 """The marks of a window at any instant: reports received by its end, carried forward, or between two of them.
 
-An epoch holds every mark carried forward from its newest report. Where two epochs show the same report, their difference
-is the velocity with which it was carried, whatever the motion model; so the reports themselves are regained, and between
-two of them the mark is interpolated.
+An epoch holds every mark carried forward from its newest report. Where two epochs show the same report, their
+difference is the velocity with which it was carried, whatever the motion model; so the reports themselves are
+regained, and between two of them the mark is interpolated.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from navfix.association.window.marks import MarkPaths, paths_of
 from navfix.association.window.tracks import Track, Yaw, epoch_time, tracks_of
 from navfix.catalog import AssociationModel, WindowModel
 from navfix.errors import TooFewPairs
-from navfix.types import Epoch, FloatArray, IntArray
+from navfix.types import Epoch, FloatArray, IntArray, Position
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,9 @@ def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel)
     tracks, yaw = tracks_of(epochs, reference, model)
     end_s, begin_s = epoch_time(epochs[-1]), epoch_time(epochs[0])
     count = max(1, round((end_s - begin_s) / model.bin_s))
-    knot_s = end_s - model.bin_s * (np.arange(count)[::-1] + 0.5) if count > 1 else np.array([0.5 * (begin_s + end_s)])
+    knot_s: FloatArray = np.array([0.5 * (begin_s + end_s)])
+    if count > 1:
+        knot_s = end_s - model.bin_s * (np.arange(count, dtype=np.float64)[::-1] + 0.5)
     middle_s = float(knot_s.mean())
     binned = [_binned(track, knot_s, model.bin_s) for track in tracks]
     kept = [i for i, (alive, _) in enumerate(binned) if alive.any()]
@@ -164,7 +166,7 @@ def _variances(
 
 
 def _flat(
-    origin,
+    origin: Position,
     rho: ComplexArray,
     constant: FloatArray,
     paths: MarkPaths,

@@ -41,7 +41,8 @@ def _votes_at(field: WindowField, shape: Knots, knot: int) -> tuple[ComplexArray
     pair, entry = _candidates(index, pairs, field)
     if len(pair) == 0:
         return np.zeros(0, complex), np.zeros(0)
-    i, j, a, b = pairs.first[pair], pairs.second[pair], index.first[entry], index.second[entry]
+    i, j = pairs.first[pair], pairs.second[pair]
+    a, b = index.first[entry].astype(np.int64), index.second[entry].astype(np.int64)
     turn = (flat.z[b] - flat.z[a]) * np.conj(seen[j] - seen[i])
     turn /= np.abs(turn)
     turn, a, b = np.concatenate([turn, -turn]), np.concatenate([a, b]), np.concatenate([b, a])
