@@ -259,6 +259,101 @@ class AssociationModel:
 
 
 @dataclass(frozen=True, slots=True)
+class WindowModel:
+    """Constants of the joint association of a window of scans (see models/window/joint.toml)."""
+
+    name: str
+    title: str
+    source: str
+    bin_s: float
+    gap_s: float
+    jump_m: float
+    fewest_reports: int
+    acceleration_mps2: float
+    heading_walk_deg: float
+    speed_mps: float
+    clock_s: float
+    constant_m: float
+    constant_deg: float
+    white_m: float
+    white_deg: float
+    slope_mps: float
+    mark_drift_mps: float
+    mark_acceleration_mps2: float
+    still_drift_mps: float
+    still_most_m: float
+    scatter_dof: float
+    still_share: float
+    still_mps: float
+    moving_mps: float
+    jumping_share: float
+    jumping_mps: float
+    voting_bins: list[float]
+    velocity_gate_sigma: float
+    pairs: int
+    votes_at_most: int
+    seeds: int
+    finalists: int
+    neighbours: int
+    annealing_rigid: list[float]
+    annealing: list[float]
+    least_evidence: float
+    enough_marks: int
+    least_evidence_few: float
+    fewest_marks: int
+    least_margin: float
+    least_probability_wrong: float
+
+
+@dataclass(frozen=True, slots=True)
+class NavigatorModel:
+    """Constants of the navigator over minutes (see models/navigator/default.toml)."""
+
+    name: str
+    title: str
+    source: str
+    kept_s: float
+    window_s: float
+    shortest_window_s: float
+    cold_every_s: float
+    bank_every_s: float
+    birth_windows_s: list[float]
+    places: int
+    births: int
+    birth_evidence: float
+    merge_m: float
+    merge_deg: float
+    drop_behind: float
+    memory_s: float
+    same_m: float
+    plain_evidence: float
+    plain_margin: float
+    plain_marks: int
+    sure_evidence: float
+    sure_margin: float
+    sure_marks: int
+    again_evidence: float
+    again_margin: float
+    again_marks: int
+    again_ahead: float
+    least_score: float
+    least_ahead: float
+    prior_factor: float
+    prior_m: float
+    prior_deg: float
+    gap_mps: float
+    gap_degps: float
+    fewest_marks: int
+    lost_m: float
+    apart_m: float
+    lapse_evidence: float
+    lapse_memory_s: float
+    back_evidence: float
+    drop_after_s: float
+    least_probability_wrong: float
+
+
+@dataclass(frozen=True, slots=True)
 class CpdModel:
     """Constants of the plain rigid CPD (see models/association/cpd.toml)."""
 
@@ -512,6 +607,16 @@ def motion_model(name: str | PersistingModel | FilterModel) -> PersistingModel |
 def association_model(name: str | AssociationModel = "seeded") -> AssociationModel:
     """Return the constants of the seeded association by name in models/association, or the record itself."""
     return name if isinstance(name, AssociationModel) else _load("association", name, AssociationModel)
+
+
+def window_model(name: str | WindowModel = "joint") -> WindowModel:
+    """Return the constants of the joint association by name in models/window, or the record itself."""
+    return name if isinstance(name, WindowModel) else _load("window", name, WindowModel)
+
+
+def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:
+    """Return the constants of the navigator by name in models/navigator, or the record itself."""
+    return name if isinstance(name, NavigatorModel) else _load("navigator", name, NavigatorModel)
 
 
 def association_method(name: str | AssociationModel | CpdModel) -> AssociationModel | CpdModel:

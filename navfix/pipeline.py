@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import cache
@@ -15,9 +15,10 @@ import numpy as np
 from navfix.adjustment import graph, mean_fix
 from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
-from navfix.catalog import AssociationModel, CpdModel, RadarModel
+from navfix.association.window.associate import solve_window
+from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
-from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
+from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity, with_window_integrity
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
@@ -28,7 +29,7 @@ from navfix.report.data_used import chart_cautions
 from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, TargetList
 from navfix.units import wrap_180
 
-__all__ = ["answer", "epochs", "fix", "targets", "watched"]
+__all__ = ["answer", "answer_of_window", "beside", "epochs", "fix", "targets", "watched"]
 
 Method = str | AssociationModel | CpdModel
 
@@ -37,13 +38,18 @@ TRUE_BEARINGS_OFF_DEG = 2.0  # the alignment of a radar that shows true bearings
 
 
 def fix(
-    epoch: Epoch, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel", method: Method = "seeded"
+    epoch: Epoch | Sequence[Epoch],
+    *,
+    radar: RadarModel | str = "imo",
+    kernel: Kernel | str = "hampel",
+    method: Method = "seeded",
 ) -> Fix:
     """Find own position and heading from one epoch, with no idea of either beforehand.
 
     Parameters
     ----------
-    epoch : targets and marks at one instant
+    epoch : targets and marks at one instant; or a sequence of epochs in the order of time, a window that is solved
+        together: the fix is that of its newest epoch
     radar : sigma of one range [m] and one bearing [deg], where the targets bring none
     kernel : damping function of the adjustment, on the standardised residual (no unit)
     method : association method of the catalogue
@@ -56,8 +62,19 @@ def fix(
     ------
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
+    if not isinstance(epoch, Epoch):
+        return _fix_of_window(tuple(epoch), method)[0]
     association = associate(epoch, method=method, radar=radar)
     return with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
+
+
+def _fix_of_window(epochs: Sequence[Epoch], method: Method) -> tuple[Fix, Association]:
+    """Solve a window as a whole, with nothing known beforehand."""
+    shared = association_method(method)
+    if isinstance(shared, CpdModel):
+        raise InputError("a window of epochs is associated jointly: method cpd does not apply to it")
+    found, association = solve_window(epochs, shared=shared)
+    return with_window_integrity(found), association
 
 
 def epochs(
@@ -144,6 +161,35 @@ def _own_pose(found: Fix) -> OwnPose:
     assert isinstance(found.position, Position)
     sigma_deg = found.compass_error_sigma_deg or 0.0
     return OwnPose(found.position, found.heading_deg, found.covariance, found.compass_error_deg, sigma_deg**2)
+
+
+def answer_of_window(epochs: Sequence[Epoch], *, method: Method = "seeded") -> Answer:
+    """Solve a window of epochs together, with nothing known beforehand, and set beside the fix what `answer` sets."""
+    newest = epochs[-1]
+    clock = _Clock(newest.build_ms)
+    try:
+        found, association = _fix_of_window(tuple(epochs), method)
+    except NoFix as error:
+        clock.lap("associate")
+        return Answer(epoch=newest, error=error, timing_ms=clock.laps_ms)
+    clock.lap("associate")
+    return beside(found, association, newest, timing_ms=clock.laps_ms)
+
+
+def beside(
+    found: Fix, association: Association | None, epoch: Epoch, *, timing_ms: Mapping[str, float] | None = None
+) -> Answer:
+    """Return the answer of a fix that was found over time: GNSS verdict, plain mean, cautions and notes beside it."""
+    pairs = association is not None and len(association.pairs) > 0
+    return Answer(
+        epoch=epoch,
+        fix=found,
+        plain_mean=_plain_mean(epoch, association) if pairs and association is not None else None,
+        gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
+        timing_ms=timing_ms or {},
+        notes=(*_notes(found, epoch), *(association.notes if association is not None else ())),
+        cautions=_cautions(association, epoch) if pairs and association is not None else (),
+    )
 
 
 def watched(answered: Answer, monitor: GnssMonitor) -> Answer:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from navfix.catalog import (
     association_model,
     radar_model,
 )
-from navfix.errors import Ambiguous, NoAgreement, TooFewPairs
+from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
 from navfix.units import NM_M, wrap_pi
 
@@ -30,7 +31,7 @@ LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
 def associate(
-    epoch: Epoch,
+    epoch: Epoch | Sequence[Epoch],
     *,
     method: str | AssociationModel | CpdModel = "seeded",
     radar: RadarModel | str = "imo",
@@ -42,7 +43,8 @@ def associate(
 
     Parameters
     ----------
-    epoch : targets and marks at one instant; at least three of each
+    epoch : targets and marks at one instant; at least three of each. Or a sequence of epochs in the order of time: a
+        window, whose tracks are associated together; the pairs are those of its newest epoch
     method : a name in models/association: "seeded", or "cpd" for the plain Coherent Point Drift of [2], which always
         answers
     radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
@@ -65,6 +67,8 @@ def associate(
     ----------
     [1] Myronenko & Song (2010), Point set registration: Coherent Point Drift.  [2] Knopp, thesis, 2.2 and 4.2.
     """
+    if not isinstance(epoch, Epoch):
+        return _of_window(epoch, method, prove)
     _require_enough(epoch)
     model = association_method(method)
     if isinstance(model, CpdModel):
@@ -80,6 +84,15 @@ def associate(
     decision = _require_agreement(found, scene, model)
     notes = _prove(found, scene, model) if prove else ()
     return _association(found, scene, model, decision, labels, notes)
+
+
+def _of_window(epochs: Sequence[Epoch], method: str | AssociationModel | CpdModel, prove: bool) -> Association:
+    from navfix.association.window.associate import associate_window
+
+    shared = association_method(method)
+    if isinstance(shared, CpdModel) or prove:
+        raise InputError("a window of epochs is associated jointly: neither method cpd nor prove applies to it")
+    return associate_window(tuple(epochs), shared=shared)
 
 
 def _require_enough(epoch: Epoch) -> None:

@@ -1,13 +1,8 @@
 """Step 5: the evidence of a pose against "every echo is clutter".
 
 Echoes are a Poisson clutter of local density c lambda and, for each mark in range, at most one echo with probability
-Pd_j. Summed over all ways to match (each mark at most one echo, each echo at most one mark) and divided by the same for
-clutter alone, the log likelihood ratio at clutter share c and detection level d is eq. (6.7) of the theory:
-
-    ln Z = M (1 - c) + M ln c + sum_j ln(1 - Pd_j) + ln sum over matchings of prod w_ij / c.
-
-The sum over matchings is bounded by letting a mark serve two echoes and by letting an echo serve two marks; the lesser
-bound is taken. Clutter share and detection level are averaged over (a fixed share over-trusts few matches).
+Pd_j. The likelihood of all ways to match them against the same for clutter alone is summed in `matchings`, for clutter
+share c and detection level d; both are averaged over (a fixed share over-trusts few matches).
 """
 
 from __future__ import annotations
@@ -17,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, REACH_SIGMA, Field, Fit, lay_over, odds_free_ratio
+from navfix.association.matchings import NEGLIGIBLE, Pairings, log_mean, log_terms
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
@@ -42,9 +38,6 @@ class Judged:
         return Judged(
             self.poses.take(rows), self.information[rows], self.log_ratio[rows], self.evidence[rows], self.ships[rows]
         )
-
-
-NEGLIGIBLE = 1e-8  # a likelihood ratio that changes no sum
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,11 +87,7 @@ def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
 
 
 def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
-    terms = _log_terms(field, poses, matches)
-    stacked = np.moveaxis(terms, 1, 0).reshape(len(poses), -1)
-    top = stacked.max(axis=1)
-    mean: FloatArray = top + np.log(np.mean(np.exp(stacked - top[:, None]), axis=1))
-    return mean
+    return log_mean(_log_terms(field, poses, matches))
 
 
 def share_and_level(field: Field, pose: Poses) -> tuple[float, float]:
@@ -113,36 +102,10 @@ def share_and_level(field: Field, pose: Poses) -> tuple[float, float]:
 def _log_terms(field: Field, poses: Poses, matches: Matches) -> FloatArray:
     """Return eq. (6.7) for every detection level, pose and clutter share (levels, k, s)."""
     model, scene = field.model, field.scene
-    share, levels = np.array(model.clutter_share), np.array(model.detection_level)
-    weights = matches.at_levels(levels)
-    by_target = _log_products(weights, matches.pose, matches.target, len(scene.rho), share, len(poses))
-    by_mark = _log_products(weights, matches.pose, matches.mark, len(scene.z), share, len(poses))
-    terms = np.minimum(by_target, by_mark) + _log_missed(field, poses, levels)[:, :, None]
-    terms += len(scene.rho) * (1.0 - share + np.log(share))
-    return terms
-
-
-def _log_products(
-    weights: FloatArray, pose: IntArray, member: IntArray, members: int, share: FloatArray, poses: int
-) -> FloatArray:
-    """Return ln prod over targets, or over marks, of (1 + sum of their w_ij / c) (levels, k, s).
-
-    Both bound the sum over matchings of prod w_ij / c from above, for every clutter share (s,).
-    """
-    product = np.zeros((len(weights), poses, len(share)))
-    if len(pose) == 0:
-        return product
-    key = pose * members + member
-    if np.any(key[1:] < key[:-1]):
-        order = np.argsort(key, kind="stable")
-        key, pose, weights = key[order], pose[order], weights[:, order]
-    first = np.flatnonzero(np.concatenate([[True], key[1:] != key[:-1]]))
-    claimed = np.add.reduceat(weights, first, axis=1)
-    factor = np.log1p(claimed[:, :, None] / share)
-    owner = pose[first]
-    begin = np.flatnonzero(np.concatenate([[True], owner[1:] != owner[:-1]]))
-    product[:, owner[begin]] = np.add.reduceat(factor, begin, axis=1)
-    return product
+    levels = np.array(model.detection_level)
+    pairings = Pairings(matches.pose, matches.target, matches.mark, len(poses), len(scene.rho), len(scene.z))
+    missed = _log_missed(field, poses, levels)
+    return log_terms(matches.at_levels(levels), pairings, missed, np.array(model.clutter_share))
 
 
 def _log_missed(field: Field, poses: Poses, levels: FloatArray) -> FloatArray:

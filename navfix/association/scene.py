@@ -99,7 +99,7 @@ def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
     bearing_sigma_rad = np.radians([t.bearing_sigma_deg or radar.bearing_sigma_deg for t in targets])
     lat_deg = np.array([m.position.lat_deg for m in epoch.marks])
     lon_deg = np.array([m.position.lon_deg for m in epoch.marks])
-    origin = _middle(lat_deg, lon_deg)
+    origin = middle(lat_deg, lon_deg)
     plane = cloud_to_plane(origin, lat_deg, lon_deg)
     return Scene(
         origin=origin,
@@ -151,7 +151,7 @@ def _prevailing_reference(targets: tuple[RadarTarget, ...]) -> str:
     return "true" if true > len(targets) - true else "relative"
 
 
-def _middle(lat_deg: FloatArray, lon_deg: FloatArray) -> Position:
+def middle(lat_deg: FloatArray, lon_deg: FloatArray) -> Position:
     """Return the component-wise median place: a few positions from the other side of the world do not move it far."""
     x, y, z = np.median(ecef(lat_deg, lon_deg), axis=0)
     return Position(float(np.degrees(np.arctan2(z, np.hypot(x, y)))), float(np.degrees(np.arctan2(y, x))))

@@ -1,4 +1,4 @@
-"""``navfix fix``: one radar scan of a log -> position, heading, ellipse and residual report."""
+"""``navfix fix``: one radar scan of a log, or a window of scans -> position, heading, ellipse, residual report."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 
 from navfix.cli import options, solving
-from navfix.cli.errors import NO_FIX, OK, one_line
+from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -15,6 +15,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "fix", help="adjusted position and heading of one radar scan of a log", description=__doc__
     )
     options.add_one_scan(parser)
+    options.add_window(parser)
     options.add_outlines(parser)
     options.add_plots(parser)
     parser.set_defaults(run=run)
@@ -26,7 +27,11 @@ def run(args: argparse.Namespace) -> int:
 
     track, charted = solving.truth_track(args), solving.charted_marks(args)
     log = solving.read_all(args, charted=bool(charted))
-    answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
+    if args.window is None:
+        answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
+    else:
+        _refuse_with_window(args)
+        answer = solving.solve_window(solving.window_epochs(log, args, charted), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)
     if answer.error is not None:
@@ -35,3 +40,10 @@ def run(args: argparse.Namespace) -> int:
     if track is not None and answer.truth is None:
         print(f"navfix: {args.truth}: nothing about the time of this scan: no error can be told", file=sys.stderr)
     return OK
+
+
+def _refuse_with_window(args: argparse.Namespace) -> None:
+    """Refuse what says something about one scan only."""
+    for name in ("pairs", "prove", "accept"):
+        if getattr(args, name):
+            raise CommandError(f"--{name} is for one scan: leave it out, or --window")

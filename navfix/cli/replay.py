@@ -1,10 +1,11 @@
-"""``navfix replay``: every radar scan of a log -> JSON lines, each alone or all smoothed, the GNSS verdict lasting."""
+"""``navfix replay``: every radar scan of a log -> JSON lines; a place is held from scan to scan, or all is smoothed."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from navfix.nmea import Log
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
+    from navfix.sequence import Navigator
     from navfix.types import Epoch, Mark, ShipVeracity
 
 SUFFIXES = (".json",)
@@ -54,7 +56,6 @@ def run(args: argparse.Namespace) -> int:
     from navfix.integrity import AisVeracity
     from navfix.report.writers import render
 
-    solving.refuse(args, ["window"])
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track, charted = solving.truth_track(args), solving.charted_marks(args)
@@ -86,18 +87,48 @@ def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None, chart
     from navfix.sequence.answers import reckoned, smoothed
     from navfix.sequence.dead_reckoning import DeadReckoner
 
-    monitor, reckoner, held, outlines = GnssMonitor(), DeadReckoner(), [], solving.outlines(args)
-    for count, epoch in enumerate(pipeline.epochs(log, radar=options.radar(args), charted=charted)):
-        if count % args.every:
-            continue
-        seen = solving.outlined(solving.as_asked(epoch, args), outlines)
-        answer = reckoned(solving.solve(seen, args, track), reckoner)
-        if args.smooth:
-            held.append(answer)
-        else:
-            yield pipeline.watched(answer, monitor)
-    for answer in smoothed(held, radar=options.radar(args), kernel=args.kernel):
+    monitor, reckoner = GnssMonitor(), DeadReckoner()
+    epochs = pipeline.epochs(log, radar=options.radar(args), charted=charted)
+    forward = (reckoned(answer, reckoner) for answer in _solved(epochs, args, track))
+    if not args.smooth:
+        yield from (pipeline.watched(answer, monitor) for answer in forward)
+        return
+    for answer in smoothed(tuple(forward), radar=options.radar(args), kernel=args.kernel):
         yield solving.with_truth(answer, track)
+
+
+def _solved(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Iterator[Answer]:
+    """Yield the answer of every N-th scan: by the navigator, or with --independent each scan or window alone."""
+    from navfix.sequence.answers import navigated
+
+    navigator = None if args.independent else _navigator(args)
+    outlines, kept = solving.outlines(args), deque[Epoch]()
+    for count, epoch in enumerate(epochs):
+        seen = solving.outlined(solving.as_asked(epoch, args), outlines)
+        wanted = count % args.every == 0
+        if navigator is not None:
+            navigator.feed(seen)
+            if wanted:
+                yield solving.finish(navigated(navigator, seen), args, track)
+        elif args.window is not None:
+            kept.append(seen)
+            solving.trim(kept, args.window)
+            if wanted:
+                yield solving.solve_window(tuple(kept), args, track)
+        elif wanted:
+            yield solving.solve(seen, args, track)
+
+
+def _navigator(args: argparse.Namespace) -> Navigator:
+    from dataclasses import replace
+
+    from navfix.catalog import navigator_model
+    from navfix.sequence import Navigator
+
+    model = navigator_model()
+    if args.window is not None:
+        model = replace(model, window_s=args.window, kept_s=max(model.kept_s, args.window + 5.0))
+    return Navigator(model=model)
 
 
 def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:

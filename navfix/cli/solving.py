@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import logging
 import sys
+from collections import deque
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -210,6 +211,18 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
         prove=getattr(args, "prove", False),
         association=pairs_by_hand(epoch, args),
     )
+    return finish(answer, args, track)
+
+
+def solve_window(epochs: Sequence[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Answer:
+    """Solve a window of epochs together with the options of the command, and set the truth beside it."""
+    from navfix import pipeline
+
+    return finish(pipeline.answer_of_window(epochs, method=method(args)), args, track)
+
+
+def finish(answer: Answer, args: argparse.Namespace, track: TruthTrack | None) -> Answer:
+    """Judge the GNSS at the ship's reference point, where that is told, and set the truth beside the answer."""
     return with_truth(_at_reference_point(answer, args), track)
 
 
@@ -220,6 +233,34 @@ def with_truth(answer: Answer, track: TruthTrack | None) -> Answer:
     from navfix.report import truth
 
     return truth.with_truth(answer, track)
+
+
+def trim(epochs: deque[Epoch], window_s: float) -> None:
+    """Drop the epochs that are older than a window ending at the newest one."""
+    newest = epochs[-1].time_utc
+    while newest is not None and epochs[0].time_utc is not None:
+        if (newest - epochs[0].time_utc).total_seconds() <= window_s:
+            break
+        epochs.popleft()
+
+
+def window_epochs(log: Log, args: argparse.Namespace, charted: Sequence[Mark] = ()) -> tuple[Epoch, ...]:
+    """Return the epochs of the --window that ends at --at, or at the last complete scan.
+
+    Raises
+    ------
+    CommandError : the log holds no complete radar scan there
+    """
+    from navfix import pipeline
+
+    newest = one_epoch(log, args, charted)
+    kept: deque[Epoch] = deque()
+    for epoch in pipeline.epochs(log, radar=options.radar(args), charted=charted):
+        if newest.time_utc is None or epoch.time_utc is None or epoch.time_utc > newest.time_utc:
+            break
+        kept.append(outlined(as_asked(epoch, args), outlines(args)))
+        trim(kept, args.window)
+    return tuple(kept) or (newest,)
 
 
 def method(args: argparse.Namespace) -> AssociationModel | CpdModel:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from navfix.errors import InputError, NoFix
-from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Position
+from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Position, TrackState
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,8 @@ class Answer:
 
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
     "adjust"). ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
-    ``dead_reckoning`` is where own ship should be by the fixes before, whatever this epoch says.
+    ``dead_reckoning`` is where own ship should be by the fixes before, whatever this epoch says; ``track`` is what the
+    navigator knows of its place.
 
     Raises
     ------
@@ -47,6 +48,7 @@ class Answer:
     notes: tuple[str, ...] = ()
     cautions: tuple[str, ...] = ()
     dead_reckoning: DeadReckoning | None = None
+    track: TrackState | None = None
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):

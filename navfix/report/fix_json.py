@@ -25,6 +25,7 @@ from navfix.types import (
     MeanFix,
     PlanePosition,
     Position,
+    TrackState,
 )
 
 SCHEMA = "navfix.fix/1"
@@ -56,6 +57,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "truth": truth_to_dict(answer.truth),
         "dead_reckoning": dead_reckoning_to_dict(answer.dead_reckoning),
         "observed": observed_to_dict(answer.fix),
+        "track": track_to_dict(answer.track),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
         "chart": None if answer.epoch is None else chart_to_dict(answer.epoch.chart),
@@ -308,6 +310,21 @@ def observed_to_dict(fix: Fix | None) -> dict[str, Any] | None:
     if found is None or found.position is None:
         return None
     return {"position": position_to_dict(found.position), "heading_deg": plain(found.heading_deg)}
+
+
+def track_to_dict(track: TrackState | None) -> dict[str, Any] | None:
+    """Return what is known of the place that is held over time, None where scans are solved alone."""
+    if track is None:
+        return None
+    return {
+        "status": track.status,
+        "probability_wrong": plain(track.probability_wrong),
+        "evidence": plain(track.evidence),
+        "score": plain(track.score),
+        "ahead": plain(track.ahead),
+        "since_s": plain(track.since_s),
+        "source": track.source,
+    }
 
 
 def truth_to_dict(truth: Truth | None) -> dict[str, Any] | None:

@@ -1,19 +1,37 @@
-"""Answers over time: dead reckoning beside each of them, and all of them smoothed."""
+"""Answers over time: by the navigator, with dead reckoning beside each of them, and all of them smoothed."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from navfix.catalog import RadarModel
-from navfix.errors import NoAgreement
+from navfix.errors import Ambiguous, NoAgreement, NoFix
 from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
 from navfix.kernels import Kernel
-from navfix.pipeline import watched
+from navfix.pipeline import beside, watched
 from navfix.report.answer import Answer
 from navfix.sequence.dead_reckoning import DeadReckoner
+from navfix.sequence.navigator import Navigator
 from navfix.sequence.smoother import smooth
-from navfix.types import Fix
+from navfix.types import Epoch, Fix
+
+
+def navigated(navigator: Navigator, epoch: Epoch) -> Answer:
+    """Return the navigator's outcome at the newest epoch, which was fed to it, as an answer."""
+    began_s = time.perf_counter()
+    outcome = navigator.step()
+    timing_ms = {"epoch": epoch.build_ms or 0.0, "navigate": round(1e3 * (time.perf_counter() - began_s), 3)}
+    if outcome.fix is not None:
+        answer = beside(outcome.fix, outcome.association, epoch, timing_ms=timing_ms)
+        return replace(answer, track=outcome.track)
+    error: NoFix
+    if outcome.track.status == "conflict":
+        error = Ambiguous(outcome.reason, alternatives=navigator.alternatives())
+    else:
+        error = NoAgreement(outcome.reason, evidence=outcome.track.score or 0.0, alternatives=navigator.alternatives())
+    return Answer(epoch=epoch, error=error, timing_ms=timing_ms, track=outcome.track)
 
 
 def reckoned(answer: Answer, reckoner: DeadReckoner) -> Answer:

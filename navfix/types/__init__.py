@@ -30,6 +30,7 @@ from navfix.types.observed import (
 )
 from navfix.types.places import Hull, PlanePosition, Position
 from navfix.types.reckoned import DeadReckoning, ReckoningSource
+from navfix.types.track import TrackState, TrackStatus
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
 
 __all__ = [
@@ -71,6 +72,8 @@ __all__ = [
     "SpeedHint",
     "TargetList",
     "TargetPoint",
+    "TrackState",
+    "TrackStatus",
     "TrackedShip",
     "VeracityStatus",
     "Verdict",

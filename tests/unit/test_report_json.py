@@ -32,6 +32,7 @@ EXTRA_KEYS = {
     "standardise",
     "dead_reckoning",
     "chart",
+    "track",
     "choice",
     "observed",
 }

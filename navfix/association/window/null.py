@@ -1,0 +1,98 @@
+"""Step 4: the null hypothesis - every echo is clutter - with own motion fitted as well as the winner's.
+
+Still echoes are an odometer: among echoes that stand, all relative velocities are own velocity reversed. The null's
+own motion is the shape on which the votes are laid, and its evidence is what every answer must beat. A null that is
+fitted worse than the answer would lend the answer evidence.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.association.window.em import Expectation, normal_equations
+from navfix.association.window.fit import Clutter, Fit, WindowField, as_clutter, lay_over
+from navfix.association.window.knots import Knots, MotionPrior
+from navfix.types import FloatArray
+
+ROUNDS = 8
+STARTS, FINALISTS = 10, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Null:
+    """The best own motion without any mark (one motion, its gauge knot at 0), and its log evidence."""
+
+    shape: Knots
+    log_evidence: float
+
+
+def fit_null(field: WindowField, prior: MotionPrior, starts: Knots | None = None) -> Null:
+    """Fit own motion to the tracks as clutter, from several velocities (and from ``starts``), and weigh it."""
+    if field.scene.knots == 1:
+        zero = Knots(np.zeros((1, 1), complex), np.zeros((1, 1)), np.zeros(1))
+        return Null(zero, float(as_clutter(field, _fit_of(field, zero).path).log_density.sum()))
+    knots = _starts(field) if starts is None else Knots.join(_starts(field), starts)
+    for number in range(ROUNDS):
+        knots, _, log_density = _step(field, knots, prior)
+        if number == ROUNDS // 2 - 1:
+            knots = knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS])
+    keep = prior.shape_rows()
+    shape_prior = prior.without_pose()
+    x = knots.vector()[:, keep]
+    _, information, log_density = _step(field, knots, prior)
+    evidence = log_density - 0.5 * np.einsum("kd,de,ke->k", x, shape_prior, x)
+    evidence += 0.5 * np.linalg.slogdet(shape_prior)[1] - 0.5 * np.linalg.slogdet(information)[1]
+    best = int(np.argmax(evidence))
+    return Null(knots.take(np.array([best])), float(evidence[best]))
+
+
+def _starts(field: WindowField) -> Knots:
+    """Return straight motions with the velocities that would make one or another echo stand, and none."""
+    scene = field.scene
+    rest = Knots(np.zeros((1, scene.knots), complex), np.zeros((1, scene.knots)), np.zeros(1))
+    line = in_ship_velocity(field)
+    candidates = np.append(-line[field.has_line], 0.0)
+    knots = Knots(
+        candidates[:, None] * (scene.knot_s - scene.knot_s[scene.gauge])[None, :],
+        np.zeros((len(candidates), scene.knots)),
+        np.zeros(len(candidates)),
+    )
+    score = as_clutter(field, _fit_of(field, knots).path).log_density.sum(axis=1)
+    best = np.argsort(-score, kind="stable")[:STARTS]
+    return Knots.join(rest, knots.take(best))
+
+
+def in_ship_velocity(field: WindowField) -> np.ndarray:
+    """Return every track's velocity [m/s, complex] in the de-rotated ship's frame, 0 where it has but one bin."""
+    scene = field.scene
+    if scene.knots == 1:
+        return np.zeros(len(scene.bins), complex)
+    line = np.einsum("mb,mb->m", scene.basis[:, 1, :], scene.rho)
+    return np.where(field.has_line, line / np.sqrt(np.maximum(scene.spread_s2, 1e-9)), 0.0)
+
+
+def _step(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, FloatArray, FloatArray]:
+    """One step of the EM without marks: moved motions, information of the shape, ln density before the step."""
+    fit = _fit_of(field, knots)
+    clutter = as_clutter(field, fit.path)
+    information, gradient = normal_equations(field, fit, _all_clutter(clutter), 1.0)
+    information += prior.information[None]
+    gradient += prior.given(None).gradient(knots)
+    keep = prior.shape_rows()
+    inner = information[:, keep][:, :, keep]
+    step = np.zeros_like(gradient)
+    step[:, keep] = np.linalg.solve(inner, gradient[:, keep, None])[:, :, 0]
+    return knots.moved(step), inner, clutter.log_density.sum(axis=1)
+
+
+def _fit_of(field: WindowField, knots: Knots) -> Fit:
+    """Lay the tracks without any marks."""
+    return lay_over(field.without_marks, knots)
+
+
+def _all_clutter(clutter: Clutter) -> Expectation:
+    none = np.zeros((*clutter.log_density.shape, 0))
+    ones = np.ones_like(clutter.log_density)
+    return Expectation(none, ones, none, clutter, np.zeros(len(ones)))

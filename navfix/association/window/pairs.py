@@ -1,0 +1,59 @@
+"""Step 9: which track is which mark at one own motion, one to one, and how likely each pair is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE
+from navfix.association.pairs import association_marginals
+from navfix.association.window.em import likelihood_ratio
+from navfix.association.window.evidence import GATE
+from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
+from navfix.association.window.knots import Knots
+from navfix.types import FloatArray, IntArray
+
+LEAST_LOG_RATIO = -5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs (p, 2) of track and mark index with posterior (p,), and the misfit of each track's mean [m] (p, 2)."""
+
+    index: IntArray
+    probability: FloatArray
+    misfit_m: FloatArray
+
+
+def one_to_one(field: WindowField, knots: Knots) -> Pairs:
+    """Return the likeliest one-to-one pairs at a single own motion; a track may stay without a mark."""
+    fit = lay_over(field, knots)
+    ratio = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)[0][0]
+    square = (fit.misfit[0, ..., 0, :] ** 2 / fit.variance_m2[0, ..., 0, :]).sum(axis=-1)
+    dense = np.zeros((len(field.scene.bins), len(field.scene.paths.marks)))
+    np.put_along_axis(dense, fit.mark[0], np.where(square <= GATE, ratio / NOMINAL_SHARE, 0.0), axis=1)
+    marks = np.flatnonzero(dense.any(axis=0))
+    track, column = linear_sum_assignment(np.log1p(dense[:, marks]), maximize=True)
+    chosen = dense[track, marks[column]] > 1.0
+    track, mark = track[chosen], marks[column[chosen]]
+    probability = association_marginals(dense[:, marks])[track, column[chosen]]
+    return Pairs(np.column_stack([track, mark]), probability, _mean_misfit(field, fit, track, mark))
+
+
+def _mean_misfit(field: WindowField, fit: Fit, track: IntArray, mark: IntArray) -> FloatArray:
+    neighbour = np.argmax(fit.mark[0, track] == mark[:, None], axis=1)
+    misfit: FloatArray = fit.misfit[0, track, neighbour, 0] / np.sqrt(field.scene.bins[track])[:, None]
+    return misfit
+
+
+def log_ratios(field: WindowField, knots: Knots) -> tuple[IntArray, FloatArray]:
+    """Return the marks near every track (k, m, q) and ln of N_ij / (lambda_i V_i) (k, m, q), at least -5."""
+    fit = lay_over(field, knots)
+    ratio, _ = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)
+    pd = NOMINAL_LEVEL * field.flat.detection(
+        field.scene.flat.range_m[None, :, None], field.scene.flat.conspicuity[fit.mark]
+    )
+    log_ratio: FloatArray = np.log(np.maximum(ratio * (1.0 - pd) / pd, np.exp(LEAST_LOG_RATIO)))
+    return fit.mark, log_ratio

@@ -1,0 +1,143 @@
+"""Step 1: the scans of a window -> tracks, freed of own ship's yaw.
+
+All bearings of a scan turn together when own ship turns. The change that is common to all targets between two scans is
+taken out, so that what is left of a track is nearly straight. A target number that is used again begins a new track.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from navfix.association.scene import ComplexArray
+from navfix.catalog import WindowModel
+from navfix.types import Epoch, FloatArray, RadarTarget
+from navfix.units import wrap_pi
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Reports (n,) of one target: times [POSIX s] and places in the de-rotated ship's frame [m, complex].
+
+    ``newest`` is the index of the target among those of the window's last epoch, -1 where it is not there.
+    """
+
+    label: str
+    time_s: FloatArray
+    rho: ComplexArray
+    range_sigma_m: float | None
+    bearing_sigma_rad: float | None
+    newest: int
+
+
+@dataclass(frozen=True, eq=False)
+class Yaw:
+    """Own ship's turning since the first scan, by scan: times [POSIX s] (s,) and angles [rad] (s,)."""
+
+    time_s: FloatArray
+    turn_rad: FloatArray
+
+    def at(self, time_s: float) -> float:
+        """Return the angle [rad] that own ship has turned by since the first scan."""
+        return float(np.interp(time_s, self.time_s, self.turn_rad))
+
+
+Report = tuple[float, RadarTarget]
+
+
+def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tuple[list[Track], Yaw]:
+    """Return the tracks of a window, longest first, and own ship's yaw that was taken out of them.
+
+    Parameters
+    ----------
+    reference : bearings "relative" or "true" are used, not both; true bearings hold no yaw
+    """
+    scans = [_scan(epoch, reference) for epoch in epochs]
+    times_s = np.array([epoch_time(epoch) for epoch in epochs])
+    turns = common_yaw(scans) if reference == "relative" else np.zeros(len(scans))
+    yaw = Yaw(times_s, turns)
+    newest = {t.label: i for i, t in enumerate(epochs[-1].targets) if t.bearing_reference == reference}
+    fewest = min(model.fewest_reports, len(scans))
+    found = []
+    for label in sorted({label for scan in scans for label in scan}):
+        reports = [
+            (scan[label][0], scan[label][1], turn) for scan, turn in zip(scans, turns, strict=True) if label in scan
+        ]
+        parts = list(_pieces(reports, model))
+        for number, part in enumerate(parts):
+            live = label in newest and number == len(parts) - 1
+            if len(part) >= fewest:
+                found.append(_track(label, part, newest[label] if live else -1))
+    return sorted(found, key=lambda track: -len(track.time_s)), yaw
+
+
+def epoch_time(epoch: Epoch) -> float:
+    """Return the instant of an epoch [POSIX s]; a window cannot be made of epochs without a time."""
+    return 0.0 if epoch.time_utc is None else epoch.time_utc.timestamp()
+
+
+def common_yaw(scans: Sequence[dict[str, Report]]) -> FloatArray:
+    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.13) of the theory.
+
+    The range-weighted median of the bearing changes of the targets that two successive scans share: a far target's
+    bearing changes by own yaw alone.
+    """
+    turned = np.zeros(len(scans))
+    for k in range(1, len(scans)):
+        before, now = scans[k - 1], scans[k]
+        shared = [label for label in now if label in before]
+        change = np.radians([before[s][1].bearing_deg - now[s][1].bearing_deg for s in shared])
+        weight = np.array([now[s][1].range_m for s in shared])
+        turned[k] = turned[k - 1] + _weighted_median(wrap_pi(change), weight)
+    return turned
+
+
+def _scan(epoch: Epoch, reference: str) -> dict[str, Report]:
+    fallback_s = epoch_time(epoch)
+    return {
+        t.label: (fallback_s if t.time_utc is None else t.time_utc.timestamp(), t)
+        for t in epoch.targets
+        if t.bearing_reference == reference
+    }
+
+
+def _pieces(
+    reports: list[tuple[float, RadarTarget, float]], model: WindowModel
+) -> Iterator[list[tuple[float, RadarTarget, complex]]]:
+    """Yield the pieces of one target number between reuses."""
+    piece: list[tuple[float, RadarTarget, complex]] = []
+    for time_s, target, turn in reports:
+        rho = target.range_m * np.exp(1j * (np.radians(target.bearing_deg) + turn))
+        if piece:
+            since_s, jump_m = time_s - piece[-1][0], abs(rho - piece[-1][2])
+            if since_s <= 0.0:
+                continue  # the same report once more
+            if since_s > model.gap_s or jump_m > model.jump_m:
+                yield piece
+                piece = []
+        piece.append((time_s, target, complex(rho)))
+    if piece:
+        yield piece
+
+
+def _track(label: str, piece: list[tuple[float, RadarTarget, complex]], newest: int) -> Track:
+    last = piece[-1][1]
+    return Track(
+        label,
+        np.array([time_s for time_s, _, _ in piece]),
+        np.array([rho for _, _, rho in piece], dtype=np.complex128),
+        last.range_sigma_m,
+        None if last.bearing_sigma_deg is None else float(np.radians(last.bearing_sigma_deg)),
+        newest,
+    )
+
+
+def _weighted_median(value: FloatArray, weight: FloatArray) -> float:
+    """Return the weighted median, 0 of nothing."""
+    if len(value) == 0:
+        return 0.0
+    order = np.argsort(value)
+    total = np.cumsum(weight[order])
+    return float(value[order][np.searchsorted(total, 0.5 * total[-1])])

@@ -1,0 +1,109 @@
+"""Step 5: pairs of tracks vote for poses through pairs of marks at the same distance - that also move alike.
+
+As for one scan, with one gate more: the difference of the velocities of two tracks, turned by the heading of the vote,
+must be that of the two marks. Own velocity cancels in it, so it needs to be known as little as own heading.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from navfix.association.pair_index import PairIndex
+from navfix.association.scene import ComplexArray, Scene
+from navfix.association.seeds import Poses, RadarPairs, radar_pairs
+from navfix.association.window.fit import WindowField
+from navfix.association.window.knots import Knots, placed
+from navfix.association.window.null import in_ship_velocity
+from navfix.types import FloatArray, IntArray
+
+
+def starts(field: WindowField, shape: Knots) -> Knots:
+    """Return the own motions that most pairs vote for: the null's shape laid at the poses of the fullest cells."""
+    scene, model = field.scene, field.model
+    votes = [_votes_at(field, shape, knot) for knot in sorted({int(part * scene.knots) for part in model.voting_bins})]
+    p, heading = np.concatenate([v[0] for v in votes]), np.concatenate([v[1] for v in votes])
+    poses = Poses.join(*(_fullest(p, heading, field, shift) for shift in (0.0, 0.5)))
+    return placed(shape, poses.p, poses.heading_rad, scene.gauge)
+
+
+def _votes_at(field: WindowField, shape: Knots, knot: int) -> tuple[ComplexArray, FloatArray]:
+    """Return position and heading of the gauge knot of every vote of the tracks that live at a knot."""
+    scene, model = field.scene, field.model
+    live = np.flatnonzero(scene.alive[:, knot])
+    if len(live) < 2 or len(scene.paths.marks) < 2:
+        return np.zeros(0, complex), np.zeros(0)
+    flat = _at_knot(scene.flat, live, scene.rho[live, knot], scene.paths.z[:, knot])
+    index = PairIndex.of(flat.z, 2.0 * flat.radar_range_m)
+    pairs = radar_pairs(flat, index, field.shared).take(slice(0, model.pairs))
+    seen = shape.p[0, knot] + np.exp(1j * shape.heading_rad[0, knot]) * flat.rho  # in the gauge knot's frame
+    pair, entry = _candidates(index, pairs, field)
+    if len(pair) == 0:
+        return np.zeros(0, complex), np.zeros(0)
+    i, j = pairs.first[pair], pairs.second[pair]
+    a, b = index.first[entry].astype(np.int64), index.second[entry].astype(np.int64)
+    turn = (flat.z[b] - flat.z[a]) * np.conj(seen[j] - seen[i])
+    turn /= np.abs(turn)
+    turn, a, b = np.concatenate([turn, -turn]), np.concatenate([a, b]), np.concatenate([b, a])
+    i, j = np.concatenate([i, i]), np.concatenate([j, j])
+    fits = _moves_alike(field, live, shape, knot, (i, j, a, b), turn)
+    turn, i, j, a, b = turn[fits], i[fits], j[fits], a[fits], b[fits]
+    p = 0.5 * (flat.z[a] + flat.z[b]) - turn * 0.5 * (seen[i] + seen[j])
+    return p, np.angle(turn)
+
+
+def _at_knot(flat: Scene, live: IntArray, rho: ComplexArray, z: ComplexArray) -> Scene:
+    kept = flat.keeping(live, np.arange(len(z)))
+    return replace(kept, rho=rho, range_m=np.abs(rho), bearing_rad=np.angle(rho), z=z)
+
+
+def _candidates(index: PairIndex, pairs: RadarPairs, field: WindowField) -> tuple[IntArray, IntArray]:
+    """Return which radar pair and which mark pair each candidate joins, at most ``votes_at_most``."""
+    low, high = index.window(pairs.distance_m, field.shared.pair_gate_sigma * pairs.distance_sigma_m)
+    count = high - low
+    count = count[np.cumsum(2 * count) <= field.model.votes_at_most]
+    pair = np.repeat(np.arange(len(count)), count)
+    entry = (
+        np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low[: len(count)], count)
+    )
+    return pair, entry
+
+
+def _moves_alike(
+    field: WindowField, live: IntArray, shape: Knots, knot: int, who: tuple[IntArray, ...], turn: ComplexArray
+) -> np.ndarray:
+    """Tell which votes (v,) pass the gate of the difference velocity."""
+    scene, model = field.scene, field.model
+    i, j, a, b = who
+    if scene.knots == 1:
+        return np.ones(len(i), dtype=bool)
+    velocity = in_ship_velocity(field)[live]
+    variance = (scene.white_m2.sum(axis=1) / np.maximum(scene.spread_s2, 1e-9) + 2.0 * model.slope_mps**2)[live]
+    both = field.has_line[live][i] & field.has_line[live][j]
+    v = scene.paths.v[:, knot]
+    misfit = (v[b] - v[a]) - turn * (velocity[j] - velocity[i])
+    limit = model.velocity_gate_sigma**2 * (variance[i] + variance[j])
+    passed: np.ndarray = ~both | (np.abs(misfit) ** 2 <= limit)
+    return passed
+
+
+def _fullest(p: ComplexArray, heading_rad: FloatArray, field: WindowField, shift: float) -> Poses:
+    """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell."""
+    if len(p) == 0:
+        return Poses(p, heading_rad)
+    cell_m, headings = field.shared.cell_m, round(360.0 / field.shared.cell_deg)
+    cells = np.stack(
+        [
+            np.floor(p.real / cell_m + shift),
+            np.floor(p.imag / cell_m + shift),
+            np.floor(heading_rad * headings / (2.0 * np.pi) + shift) % headings,
+        ]
+    ).astype(np.int64)
+    order = np.lexsort(cells)
+    begins = np.flatnonzero(np.concatenate([[True], np.any(np.diff(cells[:, order], axis=1) != 0, axis=0)]))
+    size = np.diff(np.append(begins, len(order)))
+    top = np.argsort(-size, kind="stable")[: field.model.seeds]
+    mean_p = np.asarray(np.add.reduceat(p[order], begins) / size, dtype=np.complex128)
+    mean_turn = np.add.reduceat(np.exp(1j * heading_rad[order]), begins)
+    return Poses(mean_p[top], np.angle(mean_turn[top]))

@@ -1,0 +1,100 @@
+"""When a place is believed: blind evidence, found again without shared data, and ahead of every rival over minutes."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+from navfix.association.window.joint import Joint
+from navfix.catalog import NavigatorModel
+from navfix.sequence.bank import Bank, Hypothesis, places_of
+from navfix.sequence.places import Place
+
+
+@dataclass(frozen=True, eq=False)
+class Blind:
+    """The best answer of one blind solve: its data are of ``begin_s`` .. ``end_s`` [POSIX s]."""
+
+    begin_s: float
+    end_s: float
+    place: Place
+    evidence: float
+    margin: float
+    marks: int
+
+
+def blind_of(found: Joint, window_s: float) -> Blind | None:
+    """Return the best answer of a blind solve, None where there is none."""
+    if not len(found.answers):
+        return None
+    best = found.answers
+    place = places_of(found.window, best.knots, best.information)[0]
+    return Blind(place.time_s - window_s, place.time_s, place, float(best.evidence[0]), best.margin, int(best.marks[0]))
+
+
+class Acceptance:
+    """Remembers blind solves and tells which place may be believed."""
+
+    def __init__(self, model: NavigatorModel) -> None:
+        self._model = model
+        self._blind: deque[Blind] = deque()
+
+    def note(self, blind: Blind | None) -> None:
+        """Take a blind solve in; those older than the memory are forgotten."""
+        if blind is None:
+            return
+        self._blind.append(blind)
+        while blind.end_s - self._blind[0].end_s > self._model.memory_s:
+            self._blind.popleft()
+
+    def plain(self, blind: Blind) -> bool:
+        """Tell whether a blind solve leaves no doubt: so many marks agree that nothing else needs to be known."""
+        model = self._model
+        return (
+            blind.evidence >= model.plain_evidence
+            and blind.margin >= model.plain_margin
+            and blind.marks >= model.plain_marks
+        )
+
+    def sure(self, blind: Blind) -> bool:
+        """Tell whether one blind solve is enough by itself."""
+        model = self._model
+        return (
+            blind.evidence >= model.sure_evidence
+            and blind.margin >= model.sure_margin
+            and blind.marks >= model.sure_marks
+        )
+
+    def fair(self, blind: Blind) -> bool:
+        """Tell whether a blind solve counts as a finding: twice without shared data is enough."""
+        model = self._model
+        return (
+            blind.evidence >= model.again_evidence
+            and blind.margin >= model.again_margin
+            and blind.marks >= model.again_marks
+        )
+
+    def accepted(self, bank: Bank) -> list[Hypothesis]:
+        """Return the places of the bank that may be believed: none, one, or two (which means none)."""
+        return [h for h in bank.hypotheses if self._believable(h, bank)]
+
+    def _believable(self, h: Hypothesis, bank: Bank) -> bool:
+        model = self._model
+        if h.score < model.least_score:
+            return False
+        ahead = bank.rival_ahead(h)
+        if ahead < model.least_ahead:
+            return False
+        here = [b for b in self._blind if self._agrees(b.place, h.place)]
+        if any(self.sure(b) for b in here if b.end_s >= h.place.time_s - model.bank_every_s):
+            return True
+        findings = [b for b in here if self.fair(b)]
+        apart = any(later.begin_s >= earlier.end_s for earlier in findings for later in findings)
+        return apart and ahead >= model.again_ahead
+
+    def _agrees(self, earlier: Place, place: Place) -> bool:
+        """Tell whether two places are one, the earlier carried to the time of the other."""
+        model = self._model
+        after_s = place.time_s - earlier.time_s
+        near_m = model.same_m + model.gap_mps * abs(after_s)
+        return earlier.carried(place.time_s, model).distance_m(place) <= near_m

@@ -1,0 +1,243 @@
+"""The bank of hypotheses: every place that may be right, each judged by all that was seen over minutes.
+
+A blind solve of a window proposes places; each is then carried along and fitted to windows that share no data. For
+every (track, ship) the mean of its log likelihood ratio over the windows is kept: a constant error is not fresh
+evidence in every scan, and a lost match takes its credit back. The score of a place counts each track and each ship
+once: eq. (6.19) of the theory. What is right stands ahead of every rival after minutes; what is foreign does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from navfix.association.matchings import log_mean_evidence
+from navfix.association.scene import position_of
+from navfix.association.window import jackknife, joint, pairs
+from navfix.association.window.fit import WindowField, as_clutter, lay_over
+from navfix.association.window.joint import Joint, Window
+from navfix.association.window.knots import Knots
+from navfix.catalog import AssociationModel, NavigatorModel, association_model
+from navfix.sequence.lives import Lives
+from navfix.sequence.places import Place, as_prior
+from navfix.types import FloatArray
+
+LOST = -5.0  # what a pair is worth in a window where its track lives and is not near its ship
+STEADY_SQ = 1.0  # squared Mahalanobis distance to its own prior up to which a place pays nothing
+LOG_VOLUME = 1.5 * math.log(2.0 * math.pi)
+
+
+@dataclass(slots=True)
+class Mean:
+    """A running mean."""
+
+    total: float = 0.0
+    count: int = 0
+
+    def add(self, value: float) -> None:
+        """Take one value in."""
+        self.total += value
+        self.count += 1
+
+    @property
+    def value(self) -> float:
+        """The mean so far, 0 of nothing."""
+        return self.total / self.count if self.count else 0.0
+
+
+@dataclass(slots=True, eq=False)
+class Hypothesis:
+    """A place with what speaks for it: log ratios by (life, mark), detection by mark, own motion against the null.
+
+    ``strayed`` is what it pays for moving away from where it said it would be: a place that wanders from ship to ship
+    collects the evidence of many accidents.
+    """
+
+    place: Place
+    born_s: float
+    pairs: dict[tuple[int, str], Mean] = field(default_factory=dict)
+    detection: dict[str, Mean] = field(default_factory=dict)
+    strayed: float = 0.0
+    motion: Mean = field(default_factory=Mean)
+    windows: int = 0
+    score: float = -math.inf
+    marks: int = 0
+    evidence: float = -math.inf
+
+
+class Bank:
+    """Keeps hypotheses; fed with windows that share no data, and with the answers of blind solves."""
+
+    def __init__(self, model: NavigatorModel, shared: AssociationModel | None = None) -> None:
+        self._model, self._shared = model, shared or association_model()
+        self._lives = Lives(model.memory_s)
+        self.hypotheses: list[Hypothesis] = []
+
+    @property
+    def ahead(self) -> float:
+        """By how many nats the best place is ahead of every other (infinite where there is no other)."""
+        scores = [h.score for h in self.hypotheses]
+        return scores[0] - scores[1] if len(scores) > 1 else math.inf
+
+    def feed(self, window: Window, births: Sequence[Joint]) -> None:
+        """Carry every place into a window that shares no data with the one before, add the births, judge, prune."""
+        scene = window.field.scene
+        now_s = scene.middle_s + scene.end_s
+        self._lives.note(window, now_s)
+        if self.hypotheses and len(scene.tracks) and len(scene.paths.marks):
+            self._advance(window)
+        elif self.hypotheses:
+            for h in self.hypotheses:
+                h.place = h.place.carried(now_s, self._model)
+        for found in births:
+            self._bear(found, now_s)
+        log_area = window.prior.log_area
+        for h in self.hypotheses:
+            h.score, h.marks = self._judge(h, log_area)
+        self._prune()
+
+    def near(self, place: Place) -> Hypothesis | None:
+        """Return the best hypothesis at a place, None where there is none."""
+        near = [
+            h
+            for h in self.hypotheses
+            if h.place.carried(place.time_s, self._model).distance_m(place) <= self._model.same_m
+        ]
+        return max(near, key=lambda h: h.score, default=None)
+
+    def rival_ahead(self, of: Hypothesis) -> float:
+        """Return by how many nats ``of`` is ahead of the best other one (negative where it is behind)."""
+        others = [h.score for h in self.hypotheses if of.place.distance_m(h.place) > self._model.same_m]
+        return of.score - max(others) if others else math.inf
+
+    # ------------------------------------------------------------------------------------------------ one window
+
+    def _advance(self, window: Window) -> None:
+        """Fit every hypothesis to the window from its own place, and credit or debit its pairs."""
+        prior = as_prior([h.place for h in self.hypotheses], window, self._model)
+        found = joint.warm(window, prior)
+        places = places_of(window, found.answers.knots, found.answers.information)
+        self._credit(self.hypotheses, found)
+        strayed = 0.5 * np.maximum(window.prior.given(prior).pose_misfit_sq(found.answers.knots) - STEADY_SQ, 0.0)
+        fading = math.exp(-self._model.bank_every_s / self._model.memory_s)
+        for h, place, evidence, debt in zip(
+            self.hypotheses, places, found.answers.evidence.tolist(), strayed.tolist(), strict=True
+        ):
+            h.place, h.evidence, h.strayed = place, evidence, fading * h.strayed + debt
+
+    def _bear(self, found: Joint, now_s: float) -> None:
+        """Add the answers of a blind solve at places where there is no hypothesis yet."""
+        rows = np.flatnonzero((found.answers.evidence > self._model.birth_evidence) & (found.answers.marks >= 2))
+        rows = rows[: self._model.births]
+        if not len(rows):
+            return
+        answers = found.answers.take(rows)
+        born: list[Hypothesis] = []
+        for place, evidence in zip(
+            places_of(found.window, answers.knots, answers.information), answers.evidence, strict=True
+        ):
+            born.append(Hypothesis(place, now_s, evidence=float(evidence)))
+        self._credit(born, Joint(found.window, answers))
+        self.hypotheses += [h for h in born if not any(self._same(h.place, k.place) for k in self.hypotheses)]
+
+    def _credit(self, hypotheses: Sequence[Hypothesis], found: Joint) -> None:
+        window, knots = found.window, found.answers.knots
+        mark, log_ratio = pairs.log_ratios(window.field, knots)
+        lives = self._lives.of(window)
+        labels = [m.label for m in window.field.scene.paths.marks]
+        detection = _detection(window.field, knots)
+        motion = _motion(window, knots)
+        alive = set(lives)
+        for k, h in enumerate(hypotheses):
+            h.windows += 1
+            h.motion.add(float(motion[k]))
+            seen: dict[tuple[int, str], float] = {}
+            for i, life in enumerate(lives):
+                for q in np.flatnonzero(log_ratio[k, i] > LOST):
+                    seen[life, labels[mark[k, i, q]]] = float(log_ratio[k, i, q])
+            for pair in h.pairs.keys() | seen.keys():
+                if pair[0] in alive:
+                    h.pairs.setdefault(pair, Mean()).add(seen.get(pair, LOST))
+            for j in np.flatnonzero(detection[k]):
+                h.detection.setdefault(labels[j], Mean()).add(float(detection[k, j]))
+
+    # ------------------------------------------------------------------------------------------------ the score
+
+    def _judge(self, h: Hypothesis, log_area: float) -> tuple[float, int]:
+        """Return the score of a place and how many marks it explains: eq. (6.19)."""
+        lives = self._lives.known
+        h.pairs = {pair: mean for pair, mean in h.pairs.items() if pair[0] in lives}
+        marks = sorted(h.detection.keys() | {mark for _, mark in h.pairs})
+        column = {mark: j for j, mark in enumerate(marks)}
+        row = {life: i for i, life in enumerate(sorted(lives))}
+        log_ratio = np.full((len(row), len(marks)), -np.inf)
+        for (life, mark), mean in h.pairs.items():
+            log_ratio[row[life], column[mark]] = mean.value
+        if not len(row) or not len(marks):
+            return -math.inf, 0
+        pd = np.clip([h.detection[m].value if m in h.detection else 0.02 for m in marks], 0.02, 1.0)
+        levels = []
+        for level in self._shared.detection_level:
+            odds = level * pd / (1.0 - level * pd)
+            levels.append(
+                ((np.exp(np.minimum(log_ratio, 100.0)) * odds)[None], np.array([np.log1p(-level * pd).sum()]))
+            )
+        index = np.broadcast_to(np.arange(len(marks)), log_ratio.shape)[None]
+        log_mean = float(log_mean_evidence(levels, index, np.array(self._shared.clutter_share), len(marks))[0])
+        volume = LOG_VOLUME + 0.5 * float(np.linalg.slogdet(h.place.covariance)[1])
+        explained = int((log_ratio.max(axis=0) > 1.0).sum())
+        return log_mean - h.strayed + min(h.motion.value, 0.0) + min(
+            volume - log_area - math.log(2.0 * math.pi), 0.0
+        ), explained
+
+    def _prune(self) -> None:
+        """Keep the best of every group that has come together, and nothing far behind the best."""
+        ranked = sorted(self.hypotheses, key=lambda h: -h.score)
+        kept: list[Hypothesis] = []
+        for h in ranked:
+            if h.score < ranked[0].score - self._model.drop_behind or len(kept) >= self._model.places:
+                break
+            if not any(self._same(h.place, other.place) for other in kept):
+                kept.append(h)
+        self.hypotheses = kept
+
+    def _same(self, one: Place, other: Place) -> bool:
+        model = self._model
+        return one.distance_m(other) <= model.merge_m and one.turn_deg(other) <= model.merge_deg
+
+
+def places_of(window: Window, knots: Knots, information: FloatArray) -> list[Place]:
+    """Return own motions as places at the end of their window."""
+    scene = window.field.scene
+    p, heading, velocity = jackknife.at_end(window.field, knots)
+    covariance = jackknife.formal_at_end(window.field, information)
+    return [
+        Place(
+            scene.middle_s + scene.end_s,
+            position_of(scene.flat, complex(p[k])),
+            math.degrees(float(heading[k]) + scene.yaw_at_end) % 360.0,
+            complex(velocity[k]),
+            covariance[k],
+        )
+        for k in range(len(knots))
+    ]
+
+
+def _detection(field: WindowField, knots: Knots) -> FloatArray:
+    """Return the detection probability (k, n) at level 1 of every mark, 0 out of radar range."""
+    scene = field.scene
+    distance_m = np.abs(scene.paths.z[None, :, scene.gauge] - knots.p[:, scene.gauge, None])
+    pd = field.flat.detection(distance_m, scene.flat.conspicuity[None, :])
+    return np.where(distance_m <= scene.flat.radar_range_m, pd, 0.0)
+
+
+def _motion(window: Window, knots: Knots) -> FloatArray:
+    """Return by how much own motion (k,) makes the clutter likelier than the null's own motion does."""
+    clutter = as_clutter(window.field, lay_over(window.field.without_marks, knots).path)
+    fitted: FloatArray = clutter.log_density.sum(axis=1) + window.prior.log_shape(knots)
+    null_path = lay_over(window.field.without_marks, window.null.shape).path
+    null = float(as_clutter(window.field, null_path).log_density.sum() + window.prior.log_shape(window.null.shape)[0])
+    return np.asarray(fitted - null, dtype=np.float64)

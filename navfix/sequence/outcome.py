@@ -1,0 +1,19 @@
+"""What a step of the navigator gives: a status, a fix or the reason why there is none, and the state of the track."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from navfix.types import Association, Fix
+from navfix.types.track import TrackState, TrackStatus
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """One step: ``fix`` or None with the ``reason`` in words; ``association`` behind the fix; the ``track``."""
+
+    status: TrackStatus
+    fix: Fix | None
+    reason: str
+    track: TrackState
+    association: Association | None = None

@@ -1,0 +1,151 @@
+"""A place that is held: fixes from blind or prior windows, and the evidence by which it lapses or is given up."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from navfix.association.scene import position_of
+from navfix.association.window import associate, jackknife, joint
+from navfix.association.window.as_fix import as_fix
+from navfix.association.window.joint import Joint, Window
+from navfix.catalog import NavigatorModel
+from navfix.integrity import with_window_integrity
+from navfix.sequence.places import Place, as_prior
+from navfix.types import Association, Epoch, Fix
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """One step of the track: its fix (None where too little was matched) and where it came from."""
+
+    place: Place
+    fix: Fix | None
+    association: Association | None
+    evidence: float
+    source: Literal["blind", "prior"]
+
+
+class Track:
+    """Follows one place. ``given_up`` says why it ended, "" while it lives."""
+
+    def __init__(self, place: Place, model: NavigatorModel, now_s: float) -> None:
+        self._model = model
+        self._history: deque[Place] = deque([place])
+        self._evidence: deque[tuple[float, float]] = deque()
+        self.since_s = now_s
+        self.lapsed = False
+        self._lapsed_since_s = math.inf
+        self.given_up = ""
+        self.why_lapsed = ""
+        self.last: Held | None = None
+
+    @property
+    def probability_wrong(self) -> float:
+        """At most so likely is the place wrong, by the negative controls."""
+        return self._model.least_probability_wrong
+
+    def place_at(self, time_s: float) -> Place:
+        """Return the newest place, carried to an instant."""
+        return self._history[-1].carried(time_s, self._model)
+
+    def agrees(self, place: Place) -> bool:
+        """Tell whether another place of now is this one."""
+        return self.place_at(place.time_s).distance_m(place) <= self._model.apart_m
+
+    def prior_for(self, begin_s: float) -> Place:
+        """Return the newest place whose data are all older than ``begin_s``, or the oldest there is."""
+        older = [place for place in self._history if place.time_s <= begin_s]
+        return older[-1] if older else self._history[0]
+
+    def take_blind(self, found: Joint, epoch: Epoch, now_s: float) -> Held:
+        """Take a blind answer at this place as the fix."""
+        window, answers = found.window, found.answers
+        pose = jackknife.pose_at_end(
+            window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior
+        )
+        association = associate.association(found, pose)
+        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch))
+        place = _place(window, pose, now_s)
+        given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
+        return self._take(Held(place, fix, association, given_place, "blind"), now_s)
+
+    def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
+        """Solve a window with a prior from before it, and take what it says."""
+        prior = as_prior([begin], window, self._model)
+        found = joint.warm(window, prior)
+        answers = found.answers
+        known = window.prior.given(prior)
+        pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
+        association = associate.association(found, pose)
+        enough = int(answers.marks[0]) >= self._model.fewest_marks
+        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch)) if enough else None
+        return self._take(
+            Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
+        )
+
+    def carry(self, epoch: Epoch, now_s: float) -> Held | None:
+        """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet."""
+        last = self.last
+        place = self.place_at(now_s)
+        if last is None or last.fix is None:
+            return None
+        fix = replace(
+            last.fix,
+            position=place.position,
+            covariance=place.covariance,
+            cofactor_matrix=place.covariance,
+            association=None,
+            epoch=epoch,
+            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s.",),
+        )
+        return Held(place, with_window_integrity(fix), None, last.evidence, "prior")
+
+    def _take(self, held: Held, now_s: float) -> Held:
+        self.last = held
+        self._history.append(held.place)
+        while len(self._history) > 1 and now_s - self._history[1].time_s > self._model.window_s + 5.0:
+            self._history.popleft()
+        if held.place.sigma_m > self._model.lost_m:
+            self.given_up = f"lost: the place is uncertain by {held.place.sigma_m:.0f} m (1 sigma)"
+        self._watch(held.evidence, now_s)
+        return held
+
+    def _watch(self, evidence: float, now_s: float) -> None:
+        """Lapse when the evidence given the place has been low for long; come back when it is high again."""
+        model = self._model
+        self._evidence.append((now_s, evidence))
+        while now_s - self._evidence[0][0] > model.lapse_memory_s:
+            self._evidence.popleft()
+        best = max(value for _, value in self._evidence)
+        if not self.lapsed and best < model.lapse_evidence and now_s - self.since_s >= model.lapse_memory_s:
+            self.lapsed, self._lapsed_since_s = True, now_s
+        elif self.lapsed and evidence >= model.back_evidence:
+            self.lapsed, self._lapsed_since_s = False, math.inf
+        self.why_lapsed = (
+            f"lapsed: the tracks of the last {model.lapse_memory_s:.0f} s hardly speak for the place"
+            if self.lapsed
+            else ""
+        )
+        if self.lapsed and now_s - self._lapsed_since_s > model.drop_after_s:
+            self.given_up = f"given up: nothing has spoken for the place for {model.drop_after_s:.0f} s"
+
+
+def _place(window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
+    return Place(
+        now_s,
+        position_of(window.field.scene.flat, pose.p),
+        math.degrees(pose.heading_rad) % 360.0,
+        pose.velocity,
+        pose.covariance,
+    )
+
+
+def _log_prior_area(model: NavigatorModel) -> float:
+    """Return ln of the area [m^2] that a prior of this navigator usually leaves, for evidence on one scale."""
+    sigma_m, sigma_rad = 5.0 * model.prior_m, 2.0 * math.radians(model.prior_deg)
+    return math.log(2.0 * math.pi * sigma_m**2) + math.log(sigma_rad / math.sqrt(2.0 * math.pi))

@@ -1,0 +1,28 @@
+"""What is known of a place that is held over time: its status, what speaks for it, and how likely it is wrong."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+TrackStatus = Literal["cold", "tracking", "lapsed", "conflict"]
+
+
+@dataclass(frozen=True, slots=True)
+class TrackState:
+    """The navigator's trust in its place.
+
+    ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
+    conflict: two places are believed, none is given out. ``probability_wrong`` is at most this (None without a place);
+    ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every
+    other; ``since_s`` how long the place has been held; ``source`` "blind" or "prior": whether the newest fix needed
+    the track.
+    """
+
+    status: TrackStatus
+    probability_wrong: float | None = None
+    evidence: float | None = None
+    score: float | None = None
+    ahead: float | None = None
+    since_s: float | None = None
+    source: Literal["blind", "prior"] | None = None
