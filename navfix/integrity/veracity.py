@@ -155,7 +155,8 @@ class AisVeracity:
         velocity = _velocity(record.mark)
         others = [_velocity(r.mark) for r in self._records.values() if r is not record]
         other = find_elsewhere(record.tracks.values(), s.fewest, velocity, np.array(others).reshape(-1, 2))
-        if other is not None and other.chance <= s.by_chance and self._claims(other.label) == 1:
+        never_seen = record.seen == 0  # an echo where the AIS says, even once, speaks for the AIS
+        if other is not None and never_seen and other.chance <= s.by_chance and self._claims(other.label) == 1:
             row = _row(record, "elsewhere", other.offset_m, other.covariance_m2, other.label, other.in_words)
             return replace(row, p_value=other.chance)
         hint = "" if other is None else f"; {other.in_words}"

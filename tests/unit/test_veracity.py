@@ -143,6 +143,16 @@ def test_an_echo_that_goes_with_a_ship_elsewhere_is_found() -> None:
     assert ship.p_value <= 0.1
 
 
+def test_a_ship_seen_in_its_place_even_once_is_not_accused_of_being_elsewhere() -> None:
+    veracity = AisVeracity()
+    veracity.feed(next(fixes(shift={})))
+    for fix in fixes(shift={5: (0.0, 2000.0)}, unpaired=(5,)):
+        veracity.feed(fix)
+    (ship,) = [ship for ship in veracity.ships() if ship.mark == "ship 5"]
+    assert ship.seen == 1
+    assert ship.status == "too_little"
+
+
 def test_a_still_echo_near_a_ship_at_anchor_accuses_nobody() -> None:
     ship = judged(shift={5: (0.0, 2000.0)}, unpaired=(5,), velocity_mps=0.0)["ship 5"]
     assert ship.status != "elsewhere"
