@@ -159,7 +159,7 @@ def _place(window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
         position_of(window.field.scene.flat, pose.p),
         math.degrees(pose.heading_rad) % 360.0,
         pose.velocity,
-        pose.covariance,
+        pose.formal,
     )
 
 

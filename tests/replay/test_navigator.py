@@ -113,7 +113,7 @@ def test_a_jump_of_all_ais_gives_no_fix_and_says_conflict():
         moved = tuple(replace(m, position=LocalPlane(m.position).to_position(0.0, 2500.0)) for m in epoch.marks)
         return replace(epoch, marks=moved)
 
-    outcomes = navigate(changed_from(recorded("approach")[:48], 26, jump))
+    outcomes = navigate(changed_from(recorded("approach")[:60], 26, jump))
     assert errors_m(outcomes).max() <= 150.0
     assert outcomes[-1][1].fix is None
     assert any(outcome.track.status == "conflict" for _, outcome in outcomes[6:])
