@@ -338,6 +338,8 @@ class NavigatorModel:
     again_ahead: float
     least_score: float
     least_ahead: float
+    give_up_behind: float
+    conflict_hold_s: float
     prior_factor: float
     prior_m: float
     prior_deg: float

@@ -102,7 +102,8 @@ def _solved(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack
     from navfix.sequence.answers import navigated
 
     navigator = None if args.independent else _navigator(args)
-    outlines, kept = solving.outlines(args), deque[Epoch]()
+    outlines = solving.outlines(args)
+    kept: deque[Epoch] = deque()
     for count, epoch in enumerate(epochs):
         seen = solving.outlined(solving.as_asked(epoch, args), outlines)
         wanted = count % args.every == 0

@@ -10,7 +10,7 @@ from navfix.types import Fix, Integrity
 REASON = "a window of tracks: what leaving a track out does is in the covariance (jackknife), no level is made of it"
 
 
-def with_window_integrity(fix: Fix) -> Fix:
-    """Return the fix of a window with R95 of its covariance."""
+def with_window_integrity(fix: Fix, level_m: float | None = None) -> Fix:
+    """Return the fix of a window with R95 of its covariance, and a protection level where the track gives one."""
     r95_m = radius_of_probability(fix.covariance[:2, :2], 0.95)
-    return replace(fix, integrity=Integrity(r95_m=r95_m, reason=REASON))
+    return replace(fix, integrity=Integrity(r95_m, level_m, reason=REASON if level_m is None else ""))

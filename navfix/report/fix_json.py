@@ -324,6 +324,7 @@ def track_to_dict(track: TrackState | None) -> dict[str, Any] | None:
         "ahead": plain(track.ahead),
         "since_s": plain(track.since_s),
         "source": track.source,
+        "innovation": plain(track.innovation),
     }
 
 

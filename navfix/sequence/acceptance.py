@@ -47,6 +47,11 @@ class Acceptance:
         while blind.end_s - self._blind[0].end_s > self._model.memory_s:
             self._blind.popleft()
 
+    @property
+    def newest(self) -> Blind | None:
+        """The newest blind solve."""
+        return self._blind[-1] if self._blind else None
+
     def plain(self, blind: Blind) -> bool:
         """Tell whether a blind solve leaves no doubt: so many marks agree that nothing else needs to be known."""
         model = self._model

@@ -7,6 +7,7 @@ another place that is believed ends it; two believed places are none.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from datetime import datetime
 
@@ -55,6 +56,13 @@ class Navigator:
         return tuple(
             Alternative(h.place.position, h.place.heading_deg, h.score, h.marks) for h in self._bank.hypotheses[:10]
         )
+
+    def start_at(self, place: Place) -> None:
+        """Begin with a place from outside, such as an earlier fix: it is checked and not believed.
+
+        No fix is given out before a solve that does not know it has found it too.
+        """
+        self._track = Track(place, self._model, place.time_s, proven=False)
 
     def feed(self, epoch: Epoch) -> None:
         """Take one epoch in.
@@ -159,11 +167,24 @@ class Navigator:
             return
         place = self._track.place_at(now_s)
         others = [h for h in believed if h.place.carried(now_s, self._model).distance_m(place) > self._model.apart_m]
-        if others:
+        if others or self._contradicted(now_s, place):
+            hold_s = self._model.conflict_hold_s if self._track.proven else 0.0
             self._track = None
             self._reason = "conflict: another place is believed as well as the one that was held; none is given out"
-            self._conflict_until_s = now_s + self._model.bank_every_s
-            self._accept([], now_s)
+            self._conflict_until_s = now_s + hold_s
+        elif any(h.place.carried(now_s, self._model).distance_m(place) <= self._model.same_m for h in believed):
+            self._track.proven = True
+
+    def _contradicted(self, now_s: float, place: Place) -> bool:
+        """Tell whether a blind solve of now is sure of another place, or the bank holds another far ahead of this."""
+        model, blind = self._model, self._acceptance.newest
+        if blind is not None and blind.end_s == now_s and self._acceptance.sure(blind):
+            return place.distance_m(blind.place) > model.apart_m
+        if self._last_bank_s != now_s or not self._bank.hypotheses:
+            return False
+        best, here = self._bank.hypotheses[0], self._bank.near(place)
+        behind = best.score - here.score if here is not None else math.inf
+        return best.score > model.least_score + model.give_up_behind and behind > model.give_up_behind
 
     def _accept(self, believed: list[Hypothesis], now_s: float) -> None:
         if now_s < self._conflict_until_s:
@@ -198,30 +219,42 @@ class Navigator:
             best = blind_of(blind, self._model.window_s)
             assert best is not None
             if self._acceptance.fair(best) and track.agrees(best.place):
+                track.proven = True
                 return track.take_blind(blind, self._epochs[-1], now_s)
         begin = track.prior_for(now_s - self._model.window_s)
         length_s = min(self._model.window_s, now_s - begin.time_s)
         if length_s < self._model.shortest_window_s:
-            return track.carry(self._epochs[-1], now_s)
+            return track.carry(self._epochs[-1], now_s) if track.last is not None else self._first_fix(now_s)
         window = self._prepare(now_s, length_s)
         return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
+
+    def _first_fix(self, now_s: float) -> Held | None:
+        """Return the fix at a place that was just believed: the answer of a blind solve that lies there."""
+        track, window = self._track, self._prepare(now_s, self._model.window_s)
+        if track is None or window is None:
+            return None
+        found = joint.cold(window)
+        row = track.row_at_place(found, now_s)
+        return None if row is None else track.take_blind(found, self._epochs[-1], now_s, row)
 
     def _outcome(self, now_s: float, held: Held | None) -> Outcome:
         track = self._track
         assert track is not None
         hypothesis = self._bank.near(track.place_at(now_s))
         state = TrackState(
-            "lapsed" if track.lapsed else "tracking",
+            "tracking" if track.proven and not track.lapsed else "lapsed",
             track.probability_wrong,
             None if held is None else held.evidence,
             None if hypothesis is None else hypothesis.score,
             None if hypothesis is None else min(self._bank.rival_ahead(hypothesis), 1000.0),
             now_s - track.since_s,
             None if held is None else held.source,
+            track.protection.innovation,
         )
-        if track.given_up or track.lapsed or held is None or held.fix is None:
-            reason = track.given_up or track.why_lapsed or "the window holds too little for a fix"
-            return Outcome("lapsed" if track.lapsed else "tracking", None, reason, state)
+        if track.given_up or track.lapsed or not track.proven or held is None or held.fix is None:
+            unproven = "" if track.proven else "the place that was given is not confirmed yet by any solve without it"
+            reason = track.given_up or track.why_lapsed or unproven or "the window holds too little for a fix"
+            return Outcome(state.status, None, reason, state)
         return Outcome("tracking", held.fix, "", state, held.association)
 
 

@@ -15,7 +15,9 @@ from navfix.association.window.as_fix import as_fix
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
+from navfix.sequence.bank import places_of
 from navfix.sequence.places import Place, as_prior
+from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
 
 
@@ -33,8 +35,10 @@ class Held:
 class Track:
     """Follows one place. ``given_up`` says why it ended, "" while it lives."""
 
-    def __init__(self, place: Place, model: NavigatorModel, now_s: float) -> None:
+    def __init__(self, place: Place, model: NavigatorModel, now_s: float, *, proven: bool = True) -> None:
         self._model = model
+        self.protection = TrackProtection()
+        self.proven = proven
         self._history: deque[Place] = deque([place])
         self._evidence: deque[tuple[float, float]] = deque()
         self.since_s = now_s
@@ -62,15 +66,23 @@ class Track:
         older = [place for place in self._history if place.time_s <= begin_s]
         return older[-1] if older else self._history[0]
 
-    def take_blind(self, found: Joint, epoch: Epoch, now_s: float) -> Held:
+    def row_at_place(self, found: Joint, now_s: float) -> int | None:
+        """Return which answer of a blind solve lies at this place, None where none does."""
+        here = self.place_at(now_s)
+        places = places_of(found.window, found.answers.knots, found.answers.information)
+        return next((row for row, place in enumerate(places) if here.distance_m(place) <= self._model.same_m), None)
+
+    def take_blind(self, found: Joint, epoch: Epoch, now_s: float, row: int = 0) -> Held:
         """Take a blind answer at this place as the fix."""
+        found = Joint(found.window, found.answers.take(np.roll(np.arange(len(found.answers)), -row)))
         window, answers = found.window, found.answers
         pose = jackknife.pose_at_end(
             window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior
         )
         association = associate.association(found, pose)
-        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch))
+        fix = as_fix(found, 0, pose, association, epoch)
         place = _place(window, pose, now_s)
+        self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         return self._take(Held(place, fix, association, given_place, "blind"), now_s)
 
@@ -80,10 +92,11 @@ class Track:
         found = joint.warm(window, prior)
         answers = found.answers
         known = window.prior.given(prior)
+        self.protection.note_innovation(float(known.pose_misfit_sq(answers.knots)[0]))
         pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
         association = associate.association(found, pose)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = with_window_integrity(as_fix(found, 0, pose, association, epoch)) if enough else None
+        fix = as_fix(found, 0, pose, association, epoch) if enough else None
         return self._take(
             Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
@@ -106,12 +119,17 @@ class Track:
         return Held(place, with_window_integrity(fix), None, last.evidence, "prior")
 
     def _take(self, held: Held, now_s: float) -> Held:
+        if held.fix is not None:
+            level_m = self.protection.level_m(held.place)
+            held = replace(held, fix=with_window_integrity(held.fix, level_m))
         self.last = held
         self._history.append(held.place)
         while len(self._history) > 1 and now_s - self._history[1].time_s > self._model.window_s + 5.0:
             self._history.popleft()
         if held.place.sigma_m > self._model.lost_m:
             self.given_up = f"lost: the place is uncertain by {held.place.sigma_m:.0f} m (1 sigma)"
+        if self.protection.surprised:
+            self.given_up = "given up: three windows in a row lay far from where the track said that they would"
         self._watch(held.evidence, now_s)
         return held
 
@@ -141,7 +159,7 @@ def _place(window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
         position_of(window.field.scene.flat, pose.p),
         math.degrees(pose.heading_rad) % 360.0,
         pose.velocity,
-        pose.covariance,
+        pose.formal,
     )
 
 

@@ -12,6 +12,7 @@ TrackStatus = Literal["cold", "tracking", "lapsed", "conflict"]
 class TrackState:
     """The navigator's trust in its place.
 
+    ``innovation`` squared distance of the newest window to its prior (chi-square, 3 degrees of freedom).
     ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
     conflict: two places are believed, none is given out. ``probability_wrong`` is at most this (None without a place);
     ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every
@@ -26,3 +27,4 @@ class TrackState:
     ahead: float | None = None
     since_s: float | None = None
     source: Literal["blind", "prior"] | None = None
+    innovation: float | None = None

@@ -24,7 +24,7 @@ GATE = 11.8  # chi-square, 2 degrees of freedom, 99.73 %
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Own motions (k), best first, with ``evidence`` (k,), ``information`` (k, d, d), and ``marks`` (k,) matched."""
+    """Own motions (k), best ``evidence`` (k,) first; ``information`` (k, d, d); how many ``marks`` (k,) match."""
 
     knots: Knots
     information: FloatArray
