@@ -43,8 +43,8 @@ class Proof:
     """What the exhaustive search found.
 
     ``cells`` cells in all, ``open_cells`` parts of them not pruned, ``complete`` whether all of these were tried (at
-    most ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of the best, best first; ``missed`` rows of
-    ``answers`` that the fast search did not have.
+    most ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of the best, best first; ``missed``
+    rows of ``answers`` that the fast search did not have.
     """
 
     cells: int
