@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
+from navfix.association.clutter import clutter_density
 from navfix.association.lengths import log_length_ratio
 from navfix.association.scene import ComplexArray, Scene
 from navfix.association.seeds import Poses
@@ -218,32 +219,6 @@ def em_step(
     return moved, information, np.log(total).sum(axis=(1, 2))
 
 
-def missing_information(field: Field, poses: Poses, *, share: float, level: float) -> FloatArray:
-    """Return the information (k, 3, 3) that not knowing the pairs costs: eq. (6.14) of the theory.
-
-    The normal matrix takes every responsibility as settled. Where a target may be one of two marks, or clutter, its
-    contribution to the gradient is uncertain, and the variance of that is lost (Louis 1982, eq. 3.2).
-    """
-    fit = lay_over(field, poses, reach_m=REACH_SIGMA * field.widest_m)
-    ratio = likelihood_ratio(field, fit, level)
-    responsibility = (ratio / (share + ratio.sum(axis=2, keepdims=True)))[..., None]
-    azimuth = (poses.heading_rad[:, None] + field.scene.bearing_rad[None, :])[:, :, None]
-    cos, sin = np.cos(azimuth), np.sin(azimuth)
-    radial, tangential = fit.radial_m / fit.radial_m2, fit.tangential_m / fit.tangential_m2
-    score = np.stack(
-        [
-            cos * radial - sin * tangential,
-            sin * radial + cos * tangential,
-            field.scene.range_m[None, :, None] * tangential,
-        ],
-        axis=-1,
-    )
-    mean = (responsibility * score).sum(axis=2)
-    second = np.einsum("kmqa,kmqb->kab", responsibility * score, score)
-    missing: FloatArray = second - np.einsum("kma,kmb->kab", mean, mean)
-    return missing
-
-
 def _normal_equations(
     scene: Scene, poses: Poses, fit: Fit, weight_radial: FloatArray, weight_tangential: FloatArray, widening: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -275,44 +250,3 @@ def _normal_equations(
     )
     information += np.diag([1.0 / 3000.0**2, 1.0 / 3000.0**2, 1.0 / 0.5**2])[None] * widening**2
     return information, gradient
-
-
-def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
-    """Return echoes per m^2 about each target (m,), from the other targets: eq. (6.6) of the theory.
-
-    Echoes come in clusters (anchorages, moorings) and along lines (quays, lanes). Half a uniform density plus half a
-    leave-one-out kernel, and never less than the uniform one; the kernel is the densest of round ones and of one that
-    takes its shape from the nearest other targets.
-    """
-    count = len(scene.rho)
-    uniform = count / (np.pi * scene.radar_range_m**2)
-    if not model.use_local_clutter:
-        return np.full(count, uniform)
-    apart_sq = np.abs(scene.rho[:, None] - scene.rho[None, :]) ** 2
-    densest = np.zeros(count)
-    for width_m in model.clutter_kernels_m:
-        kernel = np.exp(-0.5 * apart_sq / width_m**2) / (2.0 * np.pi * width_m**2)
-        np.fill_diagonal(kernel, 0.0)
-        densest = np.maximum(densest, kernel.sum(axis=1))
-    density = np.maximum(uniform, 0.5 * uniform + 0.5 * densest)
-    if count > model.clutter_neighbours:
-        density = np.maximum(density, 0.5 * density + 0.5 * _density_of_neighbours(scene, apart_sq, model))
-    return density
-
-
-def _density_of_neighbours(scene: Scene, apart_sq: FloatArray, model: AssociationModel) -> FloatArray:
-    """Return echoes per m^2 (m,) of one normal distribution through each target's nearest others: long on a line."""
-    others = apart_sq + np.diag(np.full(len(apart_sq), np.inf))
-    nearest = np.argpartition(others, model.clutter_neighbours, axis=1)[:, : model.clutter_neighbours]
-    offset = scene.rho[nearest] - scene.rho[:, None]
-    offset_m = np.stack([offset.real, offset.imag], axis=-1)
-    mean = offset_m.mean(axis=1)
-    centred = offset_m - mean[:, None, :]
-    covariance = np.einsum("mki,mkj->mij", centred, centred) / (model.clutter_neighbours - 1)
-    tangential_m = scene.range_m * scene.bearing_sigma_rad
-    floor_m2 = (scene.range_sigma_m**2 + tangential_m**2) / 2.0 + model.clutter_floor_m**2
-    covariance += floor_m2[:, None, None] * np.eye(2)
-    distance_sq = np.einsum("mi,mi->m", mean, np.linalg.solve(covariance, mean[:, :, None])[:, :, 0])
-    area_m2 = 2.0 * np.pi * np.sqrt(np.linalg.det(covariance))
-    density: FloatArray = model.clutter_neighbours * np.exp(-0.5 * distance_sq) / area_m2
-    return density

@@ -1,7 +1,8 @@
 """Independent proof: an exhaustive search of every place and heading, by branch and bound.
 
 The whole space is cut into cells of position and heading. For each cell an upper bound of the evidence of any pose in
-it is computed; cells that cannot hold a rival are pruned, and from every other one the EM is run. What the fast search
+it is computed; cells that cannot hold a rival are pruned, the others are cut into eight and bounded again, down to the
+radar's sigma, and from every one that is left the EM is run. What the fast search
 missed is then named; if nothing is, its answers are certified complete within the margin. Where too many cells stay
 open (weak data), nothing is certified.
 
@@ -23,6 +24,7 @@ from navfix.association import ambiguity, em, evidence
 from navfix.association.em import Field
 from navfix.association.evidence import Judged
 from navfix.association.prior import Prior
+from navfix.association.proof_cells import Cells, least_missed, settle
 from navfix.association.seeded import Search
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
@@ -33,16 +35,16 @@ SMALLEST_CELL_M, LARGEST_CELL_M = 100.0, 500.0
 CELL_DEG = 1.0
 GATE_SIGMA = 4.0
 BATCH = 512
-MOST_OPEN = 1_000_000
+MOST_OPEN = 300_000
 
 
 @dataclass(frozen=True, eq=False)
 class Proof:
     """What the exhaustive search found.
 
-    ``cells`` cells in all, ``open_cells`` of them not pruned, ``complete`` whether all of these were tried (at most
-    ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of the best, best first; ``missed`` rows of
-    ``answers`` that the fast search did not have.
+    ``cells`` cells in all, ``open_cells`` parts of them not pruned, ``complete`` whether all of these were tried (at
+    most ``MOST_OPEN``); ``answers`` everything distinct within ``margin`` nats of the best, best first; ``missed``
+    rows of ``answers`` that the fast search did not have.
     """
 
     cells: int
@@ -69,13 +71,16 @@ def prove(found: Search, model: AssociationModel, margin: float | None = None) -
     floor = float(found.answers.evidence[0]) - within
     grid = _Grid.of(field)
     starts = [found.answers.poses]
-    open_cells = 0
+    open_cells, needed = 0, floor - _largest_mass(known, field)
+    peaks, smallest_m = grid.peaks(), max(SMALLEST_CELL_M, 0.3 * field.widest_m)
     for heading_rad in np.radians(np.arange(0.0, 360.0, CELL_DEG)):
-        cells = np.flatnonzero(grid.bound(heading_rad) + _largest_mass(known, field) > floor)
+        rows = np.flatnonzero(grid.bound(heading_rad) > needed)
+        cells = Cells(grid.centres[rows], np.full(len(rows), heading_rad), grid.cell_m, np.radians(CELL_DEG))
+        cells = settle(field, cells, peaks, needed, smallest_m, MOST_OPEN)
         open_cells += len(cells)
         if open_cells > MOST_OPEN:
             break
-        starts.append(Poses(grid.centres[cells], np.full(len(cells), heading_rad)))
+        starts.append(Poses(cells.p, cells.heading_rad))
     complete = open_cells <= MOST_OPEN
     answers = _solve(field, known, starts if complete else starts[:1], model)
     answers = answers.take(np.flatnonzero(answers.evidence >= answers.evidence[0] - within))
@@ -105,13 +110,13 @@ class _Grid:
         north, east = int(np.ceil(span.real / cell_m)), int(np.ceil(span.imag / cell_m))
         rows, columns = np.divmod(np.arange(north * east), east)
         centres = np.asarray(corner + cell_m * ((rows + 0.5) + 1j * (columns + 0.5)), dtype=np.complex128)
-        return cls(field, cell_m, north, east, corner, centres, _least_missed(field, centres, cell_m))
+        return cls(field, cell_m, north, east, corner, centres, least_missed(field, centres, cell_m))
 
     def bound(self, heading_rad: float) -> FloatArray:
         """Return an upper bound (g,) of the log likelihood ratio of every pose in a cell and heading interval."""
         scene, model = self.field.scene, self.field.model
         matches, gains = np.zeros(len(self.centres)), np.zeros(len(self.centres))
-        for target, peak in enumerate(self._peaks()):
+        for target, peak in enumerate(self.peaks()):
             places = scene.z - np.exp(1j * heading_rad) * scene.rho[target]
             cells, marks = self._within_reach(places, target)
             matches[cells] += 1.0
@@ -125,7 +130,7 @@ class _Grid:
             best = np.maximum(best, value.max(axis=0) + self.missed[row])
         return best + gains
 
-    def _peaks(self) -> FloatArray:
+    def peaks(self) -> FloatArray:
         """Return the likelihood ratio (m,) of a match without misfit, at detection odds of one."""
         scene = self.field.scene
         sigma_m = float(scene.mark_sigma_m.min())
@@ -158,20 +163,6 @@ class _Grid:
         rows, columns = row[:, None, None] + offset[:, None], column[:, None, None] + offset
         valid = disc & (rows >= 0) & (rows < self.north) & (columns >= 0) & (columns < self.east)
         return np.bincount((rows * self.east + columns)[valid], minlength=len(self.centres)).astype(np.float64)
-
-
-def _least_missed(field: Field, centres: NDArray[np.complex128], cell_m: float) -> FloatArray:
-    """Return (levels, g): the largest sum of ln(1 - Pd) over the marks that every pose in a cell has in range."""
-    scene, half_m = field.scene, cell_m / np.sqrt(2.0)
-    levels = np.array(field.model.detection_level)
-    missed = np.zeros((len(levels), len(centres)))
-    for begin in range(0, len(centres), 4096):
-        distance_m = np.abs(scene.z[None, :] - centres[begin : begin + 4096, None])
-        surely = distance_m + half_m <= scene.radar_range_m
-        pd = field.detection(distance_m + half_m, scene.conspicuity[None, :])
-        for row, level in enumerate(levels):
-            missed[row, begin : begin + 4096] = np.where(surely, np.log1p(-level * pd), 0.0).sum(axis=1)
-    return missed
 
 
 def _largest_mass(known: Prior, field: Field) -> float:

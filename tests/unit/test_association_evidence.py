@@ -13,6 +13,7 @@ from navfix.association import scene as scenes
 from navfix.association.pair_index import PairIndex
 from navfix.association.pairs import association_marginals
 from navfix.association.prior import Prior
+from navfix.association.proof_cells import Cells, bound
 from navfix.association.seeds import Poses
 from navfix.catalog import association_model, radar_model
 from navfix.errors import NoFix
@@ -280,6 +281,28 @@ def test_the_bound_of_the_proof_holds_for_poses_anywhere_in_a_cell(uncertain_m: 
     )
     assert found.max() > 10.0
     assert np.all(found <= grid.bound(0.0)[row * grid.east + column])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_bound_of_a_cut_cell_holds_in_it_and_falls_as_it_shrinks(seed: int):
+    made = make_scene(SceneRecipe(20, 80, 6.0, 12.0, 0.3, 0.1), seed)
+    scene = scenes.build(made.epoch, radar_model("imo"), MODEL)
+    field, random = em.Field(scene, MODEL), np.random.default_rng(seed)
+    peaks = proof._Grid.of(field).peaks()
+    place = complex(*scenes.cloud_to_plane(scene.origin, [made.position.lat_deg], [made.position.lon_deg])[0])
+    cells = Cells(np.array([place + 60.0 - 90.0j]), np.radians([made.heading_deg + 0.2]), 400.0, math.radians(1.0))
+    last = math.inf
+    for _ in range(4):
+        bounds = bound(field, cells, peaks)
+        assert bounds.max() <= last + 1e-9
+        last = bounds.max()
+        for k in range(0, len(cells), max(1, len(cells) // 16)):
+            offset = random.uniform(-0.5, 0.5, (40, 3)) * [cells.side_m, cells.side_m, cells.turn_rad]
+            poses = Poses(cells.p[k] + offset[:, 0] + 1j * offset[:, 1], cells.heading_rad[k] + offset[:, 2])
+            found = evidence.log_likelihood_ratio(field, poses, em.lay_over(field, poses))
+            assert np.all(found <= bounds[k] + 0.1)  # matches beyond four sigma are left out of the bound
+        cells = cells.split()
+    assert len(cells) == 8**4
 
 
 def test_pairs_of_marks_are_all_found_and_two_in_one_point_are_none():
