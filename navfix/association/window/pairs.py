@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -13,9 +15,14 @@ from navfix.association.window.em import likelihood_ratio
 from navfix.association.window.evidence import GATE
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots
-from navfix.types import FloatArray, IntArray
+from navfix.association.window.tracks import epoch_time
+from navfix.types import Epoch, FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from navfix.association.window.joint import Window
 
 LEAST_LOG_RATIO = -5.0
+SAME_SCAN_S = 1.0  # the targets of a scan carry times of their own
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,3 +64,25 @@ def log_ratios(field: WindowField, knots: Knots) -> tuple[IntArray, FloatArray]:
     )
     log_ratio: FloatArray = np.log(np.maximum(ratio * (1.0 - pd) / pd, np.exp(LEAST_LOG_RATIO)))
     return fit.mark, log_ratio
+
+
+def labels_by_epoch(window: Window, index: IntArray, epochs: Sequence[Epoch]) -> list[dict[str, str]]:
+    """Return {target label: mark label} for each epoch of a window, from its pairs (p, 2) of track and mark.
+
+    A label that is used again belongs to its track only between the track's first and last report.
+    """
+    scene = window.field.scene
+    named = [(scene.tracks[track], scene.paths.marks[mark].label) for track, mark in index.tolist()]
+    found = []
+    for epoch in epochs:
+        marks, time_s = {mark.label for mark in epoch.marks}, epoch_time(epoch)
+        there = {t.label for t in epoch.targets if t.bearing_reference == scene.flat.reference}
+        found.append(
+            {
+                track.label: mark
+                for track, mark in named
+                if track.label in there and mark in marks
+                if track.time_s[0] - SAME_SCAN_S <= time_s <= track.time_s[-1] + SAME_SCAN_S
+            }
+        )
+    return found
