@@ -206,9 +206,7 @@ def controls(args: argparse.Namespace) -> None:
             break
     tail = np.percentile(evidence, [50, 90, 99, 100]).round(1) if evidence else []
     print(f"\n## Negative controls\n\n{hours:.1f} h, runs with a wrong place: {len(accepted)} {accepted}")
-    print(
-        f"windows {len(evidence)}, evidence at 50 / 90 / 99 / 100 %: {tail}; CPU {cpu_s / max(hours, 1e-9):.0f} s an hour"
-    )
+    print(f"windows {len(evidence)}, evidence at 50 / 90 / 99 / 100 %: {tail}; {cpu_s / max(hours, 1e-9):.0f} CPU s/h")
 
 
 def measured(names: Sequence[str] = scenes.MEASURED) -> Iterator[scenes.Run]:
