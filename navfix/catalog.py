@@ -320,7 +320,7 @@ class NavigatorModel:
     birth_windows_s: list[float]
     places: int
     births: int
-    birth_evidence: float
+    birth_deficit: float
     merge_m: float
     merge_deg: float
     drop_behind: float

@@ -24,6 +24,7 @@ from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
 from navfix.picture.fusion import OwnPose, fused_list, lists_apart
 from navfix.picture.sensor_tracks import SensorTracks
+from navfix.refinement import refined
 from navfix.report.answer import Answer
 from navfix.report.data_used import chart_cautions
 from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, TargetList
@@ -63,18 +64,20 @@ def fix(
     NoFix : TooFewPairs, NoAgreement, Ambiguous, Unobservable - a normal state at sea; the message says why
     """
     if not isinstance(epoch, Epoch):
-        return _fix_of_window(tuple(epoch), method)[0]
+        return _fix_of_window(tuple(epoch), method, radar, kernel)[0]
     association = associate(epoch, method=method, radar=radar)
     return with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
 
 
-def _fix_of_window(epochs: Sequence[Epoch], method: Method) -> tuple[Fix, Association]:
-    """Solve a window as a whole, with nothing known beforehand."""
+def _fix_of_window(
+    epochs: Sequence[Epoch], method: Method, radar: RadarModel | str, kernel: Kernel | str
+) -> tuple[Fix, Association]:
+    """Solve a window as a whole, with nothing known beforehand: associate its tracks, adjust all of its scans."""
     shared = association_method(method)
     if isinstance(shared, CpdModel):
         raise InputError("a window of epochs is associated jointly: method cpd does not apply to it")
-    found, association = solve_window(epochs, shared=shared)
-    return with_window_integrity(found), association
+    found = solve_window(epochs, shared=shared)
+    return with_window_integrity(refined(epochs, found, radar=radar, kernel=kernel)), found.association
 
 
 def epochs(
@@ -163,12 +166,18 @@ def _own_pose(found: Fix) -> OwnPose:
     return OwnPose(found.position, found.heading_deg, found.covariance, found.compass_error_deg, sigma_deg**2)
 
 
-def answer_of_window(epochs: Sequence[Epoch], *, method: Method = "seeded") -> Answer:
+def answer_of_window(
+    epochs: Sequence[Epoch],
+    *,
+    radar: RadarModel | str = "imo",
+    kernel: Kernel | str = "hampel",
+    method: Method = "seeded",
+) -> Answer:
     """Solve a window of epochs together, with nothing known beforehand, and set beside the fix what `answer` sets."""
     newest = epochs[-1]
     clock = _Clock(newest.build_ms)
     try:
-        found, association = _fix_of_window(tuple(epochs), method)
+        found, association = _fix_of_window(tuple(epochs), method, radar, kernel)
     except NoFix as error:
         clock.lap("associate")
         return Answer(epoch=newest, error=error, timing_ms=clock.laps_ms)

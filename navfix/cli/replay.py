@@ -66,7 +66,8 @@ def run(args: argparse.Namespace) -> int:
             print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
         if answer.fix is not None:
             fixes += 1
-            veracity.feed(answer.fix)
+            if answer.fix.observations:  # a place carried forward has none
+                veracity.feed(answer.fix)
         known += answer.truth is not None
         lines.append(render(answer, ".json").strip())
         print(lines[-1], flush=True)

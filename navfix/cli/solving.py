@@ -218,7 +218,8 @@ def solve_window(epochs: Sequence[Epoch], args: argparse.Namespace, track: Truth
     """Solve a window of epochs together with the options of the command, and set the truth beside it."""
     from navfix import pipeline
 
-    return finish(pipeline.answer_of_window(epochs, method=method(args)), args, track)
+    found = pipeline.answer_of_window(epochs, radar=options.radar(args), kernel=args.kernel, method=method(args))
+    return finish(found, args, track)
 
 
 def finish(answer: Answer, args: argparse.Namespace, track: TruthTrack | None) -> Answer:

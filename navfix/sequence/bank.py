@@ -130,7 +130,7 @@ class Bank:
 
     def _bear(self, found: Joint, now_s: float) -> None:
         """Add the answers of a blind solve at places where there is no hypothesis yet."""
-        rows = np.flatnonzero((found.answers.evidence > self._model.birth_evidence) & (found.answers.marks >= 2))
+        rows = np.flatnonzero((found.answers.evidence > -self._model.birth_deficit) & (found.answers.marks >= 2))
         rows = rows[: self._model.births]
         if not len(rows):
             return

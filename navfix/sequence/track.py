@@ -113,6 +113,7 @@ class Track:
             covariance=place.covariance,
             cofactor_matrix=place.covariance,
             association=None,
+            observations=(),
             epoch=epoch,
             notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s.",),
         )

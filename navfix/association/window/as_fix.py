@@ -21,7 +21,10 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
     answers = found.answers.take(np.array([row]))
     matched = pairs.one_to_one(window.field, answers.knots)
     observations: list[AdjustedObservation] = []
+    scene = window.field.scene
     for (track, mark), misfit_m in zip(matched.index.tolist(), matched.misfit_m, strict=True):
+        if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
+            continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
     heading = math.degrees(pose.heading_rad) % 360.0
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)

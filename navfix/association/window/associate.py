@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,7 +18,7 @@ from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
-from navfix.types import Alternative, Association, Epoch, Fix
+from navfix.types import Alternative, Association, Epoch, Fix, FloatArray
 
 LARGEST_MARGIN = 1000.0
 
@@ -42,13 +43,27 @@ def associate_window(
     NoAgreement : no own motion explains the tracks better than chance; Ambiguous : another explains them nearly as well
     InputError : epochs without a time, or not in the order of time
     """
-    return solve_window(epochs, model=model, shared=shared)[1]
+    return solve_window(epochs, model=model, shared=shared).association
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WindowAnswer:
+    """What a window says: the fix at its newest epoch, the association there, and the pairs of every epoch.
+
+    ``labels`` holds {target label: mark label} for each epoch; ``spread`` (3, 3) is what leaving out one track after
+    the other adds to the covariance, in north [m], east [m], heading [rad].
+    """
+
+    fix: Fix
+    association: Association
+    labels: tuple[dict[str, str], ...]
+    spread: FloatArray
 
 
 def solve_window(
     epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
-) -> tuple[Fix, Association]:
-    """Return the fix of a window at its newest epoch, and the association behind it; raises as `associate_window`."""
+) -> WindowAnswer:
+    """Return the fix of a window at its newest epoch, and what is behind it; raises as `associate_window`."""
     require_order(epochs)
     window = joint.prepare(epochs, window_model(model), association_model(shared))
     require_enough(window)
@@ -57,7 +72,9 @@ def solve_window(
     best = found.answers.take(np.array([0]))
     pose = jackknife.pose_at_end(window.field, best.knots, best.information, window.prior)
     matched = association(found, pose)
-    return as_fix(found, 0, pose, matched, epochs[-1]), matched
+    labels = pairs.labels_by_epoch(window, pairs.one_to_one(window.field, best.knots).index, epochs)
+    fix = as_fix(found, 0, pose, matched, epochs[-1])
+    return WindowAnswer(fix, matched, tuple(labels), pose.covariance - pose.formal)
 
 
 def require_order(epochs: Sequence[Epoch]) -> None:

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 LEAST_LOG_RATIO = -5.0
 SAME_SCAN_S = 1.0  # the targets of a scan carry times of their own
+CERTAIN = 1e9  # larger ratios say no more, and lose the digits of the sums that they stand in
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,9 @@ def one_to_one(field: WindowField, knots: Knots) -> Pairs:
     ratio = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)[0][0]
     square = (fit.misfit[0, ..., 0, :] ** 2 / fit.variance_m2[0, ..., 0, :]).sum(axis=-1)
     dense = np.zeros((len(field.scene.bins), len(field.scene.paths.marks)))
-    np.put_along_axis(dense, fit.mark[0], np.where(square <= GATE, ratio / NOMINAL_SHARE, 0.0), axis=1)
+    np.put_along_axis(
+        dense, fit.mark[0], np.where(square <= GATE, np.minimum(ratio / NOMINAL_SHARE, CERTAIN), 0.0), axis=1
+    )
     marks = np.flatnonzero(dense.any(axis=0))
     track, column = linear_sum_assignment(np.log1p(dense[:, marks]), maximize=True)
     chosen = dense[track, marks[column]] > 1.0

@@ -1,0 +1,62 @@
+"""``--window``, ``--independent`` and the track of ``navfix replay``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from navfix.cli import main
+
+
+@pytest.fixture(scope="module")
+def approach(repository: Path) -> str:
+    return str(repository / "data" / "logs" / "approach.nmea")
+
+
+@pytest.fixture(scope="module")
+def truth(repository: Path) -> str:
+    return str(repository / "data" / "logs" / "approach_truth.csv")
+
+
+def test_a_window_of_scans_is_one_answer(approach: str, truth: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["fix", approach, "--window", "60", "--truth", truth, "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert content["status"] == "fix"
+    assert content["truth"]["distance_m"] <= 60.0
+    assert content["kernel"] == "window"
+    assert len(content["pairs"]) >= 6
+    assert main(["fix", approach, "--window", "60", "--at", "2026-03-01T09:01:30Z"]) == 0
+    assert "60 s" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("options", [["--pairs", "01=AB"], ["--prove"], ["--accept", "0.01"]])
+def test_what_speaks_of_one_scan_is_refused_with_a_window(
+    approach: str, options: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["fix", approach, "--window", "60", *options]) == 2
+    assert "for one scan" in capsys.readouterr().err
+
+
+def test_replay_holds_a_place_and_says_what_it_knows_of_it(
+    approach: str, truth: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["replay", approach, "--every", "9", "--truth", truth]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    states = [line["track"]["status"] for line in lines]
+    assert states[0] == "cold"
+    assert lines[0]["reason"] == "no_agreement"
+    assert states[-1] == "tracking"
+    assert lines[-1]["status"] == "fix"
+    assert lines[-1]["track"]["probability_wrong"] >= 0.01
+    assert lines[-1]["track"]["since_s"] > 30.0
+    assert all(line["truth"]["distance_m"] <= 120.0 for line in lines if line["status"] == "fix")
+
+
+def test_independent_windows_and_scans_carry_no_track(approach: str, capsys: pytest.CaptureFixture[str]) -> None:
+    for options in (["--window", "40"], []):
+        assert main(["replay", approach, "--independent", "--every", "30", *options]) == 0
+        lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+        assert all(line["track"] is None for line in lines)
+        assert lines[-1]["status"] == "fix"

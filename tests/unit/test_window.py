@@ -1,0 +1,178 @@
+"""Windows of scans: yaw, tracks, basis, marks between reports, motion prior, and the answer for the newest epoch."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import navfix
+from navfix.association.window import joint
+from navfix.association.window.knots import Knots, motion_prior, placed, shape_of
+from navfix.association.window.marks import paths_of
+from navfix.association.window.tracks import common_yaw, tracks_of
+from navfix.catalog import window_model
+from navfix.errors import InputError, NoFix, TooFewPairs
+from navfix.geodesy import LocalPlane, inverse
+from navfix.nmea import read_log
+from navfix.picture import epochs
+from navfix.report.truth import TruthTrack
+from navfix.simulation import scenario
+from navfix.simulation.files import truth_csv
+from navfix.types import Epoch, Mark, Position, RadarTarget
+
+LOGS = Path(__file__).resolve().parents[2] / "data" / "logs"
+MODEL = window_model()
+BEGIN = datetime(2026, 1, 1, tzinfo=UTC)
+
+
+@cache
+def recorded() -> tuple[Epoch, ...]:
+    return tuple(epochs(read_log(LOGS / "approach.nmea").records))
+
+
+def truth_at(epoch: Epoch):
+    with (LOGS / "approach_truth.csv").open() as lines:
+        return TruthTrack.parse(lines).at(epoch.time_utc.timestamp())
+
+
+def scan(after_s: float, *targets: tuple[str, float, float], marks: tuple[Mark, ...] = ()) -> Epoch:
+    time_utc = BEGIN + timedelta(seconds=after_s)
+    made = tuple(RadarTarget(label, range_m, bearing, time_utc=time_utc) for label, range_m, bearing in targets)
+    return Epoch(time_utc, made, marks)
+
+
+# ------------------------------------------------------------------------------------------------ tracks and marks
+
+
+def test_own_yaw_is_what_all_bearings_change_by_together():
+    turned_deg = [0.0, 3.0, -2.0, 8.0]
+    scans = []
+    for k, turn in enumerate(turned_deg):
+        targets = {f"{i:02d}": (40.0 * i - turn) % 360.0 for i in range(1, 8)}
+        targets["01"] += 15.0 * k  # one target passes close by
+        scans.append({label: (2.5 * k, RadarTarget(label, 3000.0, b)) for label, b in targets.items()})
+    assert np.degrees(common_yaw(scans)) == pytest.approx(turned_deg, abs=1e-9)
+
+
+def test_a_number_that_is_used_again_begins_a_new_track():
+    far = [scan(2.5 * k, ("01", 5000.0, 10.0), ("02", 3000.0, 200.0)) for k in range(5)]
+    again = [scan(2.5 * k, ("01", 1500.0, 10.0), ("02", 3000.0, 200.0)) for k in range(5, 10)]
+    late = [scan(80.0 + 2.5 * k, ("02", 3000.0, 200.0)) for k in range(5)]
+    tracks, _ = tracks_of([*far, *again, *late], "relative", MODEL)
+    assert sorted(track.label for track in tracks) == ["01", "01", "02", "02"]
+    assert [track.newest for track in tracks if track.label == "02" and track.time_s[0] > BEGIN.timestamp() + 60] == [0]
+    assert all(track.newest == -1 for track in tracks if track.label == "01")
+
+
+def test_a_mark_between_two_reports_lies_on_its_course():
+    origin = Position(50.0, 0.0)
+    plane = LocalPlane(origin)
+
+    def carried(after_s: float, reported_s: float) -> Epoch:
+        north_m = 6.0 * after_s
+        mark = Mark(
+            "1", plane.to_position(north_m, 100.0), 12.0, time_utc=BEGIN + timedelta(seconds=reported_s),
+            speed_mps=6.0, course_deg=0.0, age_s=after_s - reported_s,
+        )  # fmt: skip
+        return scan(after_s, ("01", 900.0, 5.0), marks=(mark,))
+
+    seen = [carried(2.5 * k, 20.0 if 2.5 * k >= 20.0 else 0.0) for k in range(16)]
+    knot_s = BEGIN.timestamp() + np.array([5.0, 15.0, 25.0, 35.0])
+    paths = paths_of(seen, origin, knot_s, MODEL)
+    assert paths.z[0].real == pytest.approx([30.0, 90.0, 150.0, 210.0], abs=0.1)
+    assert paths.v[0].real == pytest.approx([6.0] * 4, abs=0.01)
+    assert paths.aged_m[0, 3] > paths.aged_m[0, 2]
+
+
+# ------------------------------------------------------------------------------------------------ motion
+
+
+def test_the_basis_of_every_track_is_orthonormal():
+    scene = joint.prepare(recorded()[:24]).field.scene
+    for row, used, bins in zip(scene.basis, scene.used, scene.bins, strict=True):
+        assert row @ row.T == pytest.approx(np.diag(used.astype(float)), abs=1e-9)
+        assert used.sum() == bins
+        assert row[0].sum() == pytest.approx(math.sqrt(bins))
+
+
+def test_the_prior_of_own_motion_knows_no_place_and_no_north():
+    knot_s = np.arange(6) * 10.0
+    prior = motion_prior(knot_s, 3, 20.0, MODEL)
+    curved = Knots((4.0 * knot_s + 0.02j * knot_s**2)[None], 0.01 * np.arange(6.0)[None], np.zeros(1))
+    shape = shape_of(curved, 3)
+    moved = placed(shape, np.array([5000.0 - 300.0j]), np.array([2.0]), 3)
+    assert prior.log_shape(moved) == pytest.approx(prior.log_shape(shape), rel=1e-9)
+    straight = Knots((4.0 * knot_s + 0j)[None], np.zeros((1, 6)), np.zeros(1))
+    assert prior.log_shape(straight)[0] > prior.log_shape(curved)[0]
+
+
+# ------------------------------------------------------------------------------------------------ answers
+
+
+def test_a_window_gives_the_place_of_its_newest_epoch():
+    window = recorded()[8:32]
+    association = navfix.associate(window)
+    there = truth_at(window[-1])
+    assert inverse(there.position, association.position)[0] <= 60.0
+    targets, marks = association.pairs[:, 0], association.pairs[:, 1]
+    assert len(association.pairs) >= 6
+    assert targets.max() < len(window[-1].targets)
+    assert marks.max() < len(window[-1].marks)
+    assert association.evidence > 10.0
+    assert association.probability_wrong >= 0.01
+
+    found = navfix.fix(window)
+    assert found.epoch is window[-1]
+    assert found.ellipse(0.99).semi_major_m < 150.0
+    assert {o.target for o in found.observations} >= {window[-1].targets[i].label for i in targets}
+    assert found.integrity.r95_m > 0.0
+
+
+@pytest.mark.parametrize("name", ["date_line", "high_latitude"])
+def test_a_window_is_solved_across_180_e_and_near_the_pole(name: str):
+    recording = scenario.simulate(scenario.load(name), 3, duration_s=70.0)
+    scans = list(epochs(read_log(list(recording.lines), report=False).records))
+    there = TruthTrack.parse(truth_csv(recording).splitlines()).at(scans[-1].time_utc.timestamp())
+    assert inverse(there.position, navfix.fix(scans).position)[0] <= 100.0
+
+
+def test_one_scan_is_a_window_of_one_bin():
+    window = joint.prepare(recorded()[30:31])
+    assert window.field.scene.knots == 1
+    answers = joint.cold(window).answers
+    assert len(answers) >= 1
+    assert np.isfinite(answers.evidence).all()
+
+
+def test_windows_that_cannot_be_are_refused_in_words():
+    scans = recorded()
+    with pytest.raises(InputError, match="at least one epoch"):
+        navfix.associate([])
+    with pytest.raises(InputError, match="order of time"):
+        navfix.associate([scans[2], scans[0]])
+    with pytest.raises(InputError, match="time of every epoch"):
+        navfix.associate([replace(scans[0], time_utc=None)])
+    with pytest.raises(InputError, match="jointly"):
+        navfix.associate(scans[:4], method="cpd")
+    with pytest.raises(TooFewPairs):
+        navfix.associate([replace(epoch, marks=()) for epoch in scans[:4]])
+    with pytest.raises(TooFewPairs):
+        navfix.associate([replace(epoch, targets=()) for epoch in scans[:4]])
+    with pytest.raises(NoFix):
+        navfix.fix([replace(epoch, marks=epoch.marks[:2]) for epoch in scans[:8]])
+
+
+def test_marks_in_one_point_and_targets_in_one_line_are_no_error():
+    scans = recorded()[:12]
+    one = scans[0].marks[0].position
+    heaped = [replace(e, marks=tuple(replace(m, position=one) for m in e.marks)) for e in scans]
+    lined = [replace(e, targets=tuple(replace(t, bearing_deg=45.0) for t in e.targets)) for e in scans]
+    for window in (heaped, lined):
+        with pytest.raises(NoFix):
+            navfix.fix(window)
