@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from navfix.pipeline import fix
     from navfix.types import Association, Epoch, Fix, Mark, Position, RadarTarget
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 __all__ = [
     "Association",
