@@ -30,12 +30,16 @@ class Place:
     velocity_mps: complex
     covariance: FloatArray
 
-    def carried(self, to_s: float, model: NavigatorModel) -> Place:
-        """Return the place carried to another instant by its velocity; what happens unseen makes it less sure."""
+    def carried(self, to_s: float, model: NavigatorModel, unseen_s: float | None = None) -> Place:
+        """Return the place carried to another instant by its velocity; what happens unseen makes it less sure.
+
+        Own yaw is seen in the bearings of every scan: ``unseen_s`` is the time without scans (default: all of it).
+        """
         after_s = to_s - self.time_s
+        unseen_s = after_s if unseen_s is None else unseen_s
         step = self.velocity_mps * after_s
         position = LocalPlane(self.position).to_position(step.real, step.imag)
-        grown = np.diag([(model.gap_mps * after_s) ** 2] * 2 + [math.radians(model.gap_degps * after_s) ** 2])
+        grown = np.diag([(model.gap_mps * after_s) ** 2] * 2 + [math.radians(model.gap_degps * unseen_s) ** 2])
         return Place(to_s, position, self.heading_deg, self.velocity_mps, self.covariance + grown)
 
     def distance_m(self, other: Place) -> float:
@@ -61,7 +65,8 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
     """Return places as priors of a window that uses none of their data: carried to its first knot and widened."""
     scene = window.field.scene
     knot_s = scene.middle_s + float(scene.knot_s[0])
-    carried = [place.carried(knot_s, model) for place in places]
+    first_s = float(scene.yaw.time_s[0])
+    carried = [place.carried(knot_s, model, max(0.0, first_s - place.time_s)) for place in places]
     origin = scene.flat.origin
     plane = cloud_to_plane(origin, [p.position.lat_deg for p in carried], [p.position.lon_deg for p in carried])
     widened = np.diag([model.prior_m**2, model.prior_m**2, math.radians(model.prior_deg) ** 2])
