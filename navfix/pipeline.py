@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import importlib
-import math
-import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
@@ -19,6 +17,7 @@ from navfix.association.window.associate import solve_window
 from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
 from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity, with_window_integrity
+from navfix.integrity.cautions import association_cautions, heading_notes
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
@@ -27,15 +26,12 @@ from navfix.picture.sensor_tracks import SensorTracks
 from navfix.refinement import refined
 from navfix.report.answer import Answer
 from navfix.report.data_used import chart_cautions
+from navfix.report.timing import StepClock
 from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, TargetList
-from navfix.units import wrap_180
 
 __all__ = ["answer", "answer_of_window", "beside", "epochs", "fix", "targets", "watched"]
 
 Method = str | AssociationModel | CpdModel
-
-GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
-TRUE_BEARINGS_OFF_DEG = 2.0  # the alignment of a radar that shows true bearings is in it as well
 
 
 def fix(
@@ -107,14 +103,14 @@ def answer(
     ``prove`` every other place is excluded by an exhaustive search.
     """
     _load_libraries()
-    clock = _Clock(epoch.build_ms)
+    clock = StepClock(epoch.build_ms)
     step = "associate"
     cautions = chart_cautions(epoch)
     try:
         if association is None:
             association = associate(epoch, method=method, radar=radar, prove=prove)
         clock.lap(step)
-        step, cautions = "adjust", (*cautions, *_cautions(association, epoch))
+        step, cautions = "adjust", (*cautions, *association_cautions(association, epoch))
         found = with_integrity(adjust_visible_side(epoch, association, radar=radar, kernel=kernel))
         clock.lap(step)
     except NoFix as error:
@@ -127,7 +123,7 @@ def answer(
         plain_mean=_plain_mean(seen, association),
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=clock.laps_ms,
-        notes=(*_notes(found, epoch), *association.notes),
+        notes=(*heading_notes(found, epoch), *association.notes),
         cautions=cautions,
     )
 
@@ -175,7 +171,7 @@ def answer_of_window(
 ) -> Answer:
     """Solve a window of epochs together, with nothing known beforehand, and set beside the fix what `answer` sets."""
     newest = epochs[-1]
-    clock = _Clock(newest.build_ms)
+    clock = StepClock(newest.build_ms)
     try:
         found, association = _fix_of_window(tuple(epochs), method, radar, kernel)
     except NoFix as error:
@@ -196,8 +192,8 @@ def beside(
         plain_mean=_plain_mean(epoch, association) if pairs and association is not None else None,
         gnss=None if epoch.gnss is None else gnss_verdict(found, epoch.gnss),
         timing_ms=timing_ms or {},
-        notes=(*_notes(found, epoch), *(association.notes if association is not None else ())),
-        cautions=_cautions(association, epoch) if pairs and association is not None else (),
+        notes=(*heading_notes(found, epoch), *(association.notes if association is not None else ())),
+        cautions=association_cautions(association, epoch) if pairs and association is not None else (),
     )
 
 
@@ -219,65 +215,8 @@ def _plain_mean(epoch: Epoch, association: Association) -> MeanFix | None:
         return None
 
 
-def _cautions(association: Association, epoch: Epoch) -> tuple[str, ...]:
-    """Return what the reader must not miss: AIS positions shifted alike, a compass that the echoes refute."""
-    return (*_group_caution(association), *_compass_caution(association, epoch))
-
-
-def _group_caution(association: Association) -> tuple[str, ...]:
-    group = association.second_group
-    if group is None:
-        return ()
-    where = f"{group.offset_m:.0f} m along {group.azimuth_deg:03.0f} deg"
-    return (
-        f"{len(group.targets)} targets agree on another place, {where}: the AIS positions of one of the two groups are "
-        "shifted alike. Check the position with something that is neither.",
-    )
-
-
-def _compass_caution(association: Association, epoch: Epoch) -> tuple[str, ...]:
-    hint, found_deg = epoch.heading_hint, association.heading_deg
-    if found_deg is None or association.covariance is None:
-        return ()
-    references = {epoch.targets[int(target)].bearing_reference for target in association.pairs[:, 0]}
-    if references == {"true"}:
-        off_deg, sigma_deg = -wrap_180(found_deg), math.degrees(math.sqrt(association.covariance[2, 2]))
-        if abs(off_deg) > TRUE_BEARINGS_OFF_DEG + 3.0 * sigma_deg:
-            return (f"Check the compass: the true bearings of the radar are {off_deg:+.1f} deg off.",)
-    elif references == {"relative"} and hint is not None:
-        off_deg = wrap_180(hint.heading_deg - found_deg)
-        if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
-            told = f"the heading in the log, {hint.heading_deg:.1f} deg"
-            return (f"Check the compass: {told}, is {off_deg:+.1f} deg off.",)
-    return ()
-
-
-def _notes(found: Fix, epoch: Epoch) -> tuple[str, ...]:
-    """Return what the reader may want to know beside the numbers."""
-    hint = epoch.heading_hint
-    if hint is None or found.heading_deg is None:
-        return ()
-    off_deg = wrap_180(hint.heading_deg - found.heading_deg)
-    if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
-        return ()  # a caution
-    return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
-
-
 @cache
 def _load_libraries() -> None:
     """Import what the first solve needs before its time is taken."""
     graph.load()
     importlib.import_module("scipy.optimize")
-
-
-class _Clock:
-    """Milliseconds by step."""
-
-    def __init__(self, epoch_ms: float | None) -> None:
-        self.laps_ms: dict[str, float] = {} if epoch_ms is None else {"epoch": epoch_ms}
-        self._began = time.perf_counter()
-
-    def lap(self, step: str) -> None:
-        now = time.perf_counter()
-        self.laps_ms[step] = round(1e3 * (now - self._began), 3)
-        self._began = now

@@ -7,7 +7,7 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from navfix.cli import options, solving
+from navfix.cli import inputs, options, solving
 from navfix.cli.errors import OK
 
 if TYPE_CHECKING:
@@ -32,8 +32,8 @@ def run(args: argparse.Namespace) -> int:
     from navfix.association import associate
     from navfix.comparison import compare
 
-    track, charted = solving.truth_track(args), solving.charted_marks(args)
-    log = solving.read(args.log, charted=bool(charted))
+    track, charted = inputs.truth_track(args), inputs.charted_marks(args)
+    log = inputs.read(args.log, charted=bool(charted))
     epoch = solving.one_epoch(log, args, charted)
     radar = options.radar(args)
     truth = track.at(epoch.time_utc.timestamp()) if track and epoch.time_utc else None

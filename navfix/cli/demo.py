@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from navfix.cli import solving
+from navfix.cli import inputs, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 LOG = "approach.nmea"
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
 
     folder = data_folder("data") / "logs"
     args.log, args.truth = str(folder / LOG), folder / LOG.replace(".nmea", "_truth.csv")
-    answer = solving.solve(solving.one_epoch(solving.read(args.log), args), args, solving.truth_track(args))
+    answer = solving.solve(solving.one_epoch(inputs.read(args.log), args), args, inputs.truth_track(args))
     print(render(answer, ".txt").rstrip("\n"))
     paths = [FOLDER / name for name in FILES]
     try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from navfix.cli import options, solving
+from navfix.cli import inputs, options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 
 
@@ -25,8 +25,8 @@ def run(args: argparse.Namespace) -> int:
     """Solve the scan, print the report, write the files."""
     from navfix.report.writers import render
 
-    track, charted = solving.truth_track(args), solving.charted_marks(args)
-    log = solving.read_all(args, charted=bool(charted))
+    track, charted = inputs.truth_track(args), inputs.charted_marks(args)
+    log = inputs.read_all(args, charted=bool(charted))
     if args.window is None:
         answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
     else:

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from navfix.cli import options, solving
+from navfix.cli import inputs, options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
@@ -58,8 +58,8 @@ def run(args: argparse.Namespace) -> int:
 
     written = [path for path in (*args.out, args.veracity) if path is not None]
     options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
-    track, charted = solving.truth_track(args), solving.charted_marks(args)
-    log = solving.read_all(args, charted=bool(charted))
+    track, charted = inputs.truth_track(args), inputs.charted_marks(args)
+    log = inputs.read_all(args, charted=bool(charted))
     lines, fixes, known, veracity = [], 0, 0, AisVeracity()
     for answer in _answers(log, args, track, charted):
         if answer.gnss is not None and answer.gnss.alert:
@@ -103,7 +103,7 @@ def _solved(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack
     from navfix.sequence.answers import navigated
 
     navigator = None if args.independent else _navigator(args)
-    outlines = solving.outlines(args)
+    outlines = inputs.outlines(args)
     kept: deque[Epoch] = deque()
     for count, epoch in enumerate(epochs):
         seen = solving.outlined(solving.as_asked(epoch, args), outlines)

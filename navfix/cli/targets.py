@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from navfix.cli import options, solving
+from navfix.cli import inputs, options, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 
 if TYPE_CHECKING:
@@ -46,8 +46,8 @@ def run(args: argparse.Namespace) -> int:
     from navfix import pipeline
     from navfix.report.targets import WRITERS
 
-    charted = solving.charted_marks(args)
-    log = solving.read(args.log, charted=bool(charted))
+    charted = inputs.charted_marks(args)
+    log = inputs.read(args.log, charted=bool(charted))
     newest = solving.one_epoch(log, args, charted)
     ships = pipeline.targets(_history(log, newest, args, charted), radar=options.radar(args), kernel=args.kernel)
     shown = ships if args.find is None else _found(ships, args.find)
@@ -65,7 +65,7 @@ def _history(log: Log, newest: Epoch, args: argparse.Namespace, charted: Sequenc
     from navfix.picture.sensor_tracks import recent_epochs
 
     if newest.time_utc is not None and args.filter > 0.0:
-        outlines, until_s = solving.outlines(args), newest.time_utc.timestamp()
+        outlines, until_s = inputs.outlines(args), newest.time_utc.timestamp()
         picture = Picture(radar=options.radar(args), charted=charted)
         for epoch in recent_epochs(log.records, picture, until_s=until_s, seconds=args.filter):
             if epoch.time_utc is not None and epoch.time_utc < newest.time_utc:

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from navfix import catalog
+from navfix.catalog import loading
 from navfix.cli import options
 from navfix.errors import CatalogError
 
@@ -45,10 +46,10 @@ def _toml(content: dict[str, object]) -> str:
 def own_models(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Put an empty catalogue of our own in place of the shipped one; return its radar folder."""
     (tmp_path / "radar").mkdir()
-    monkeypatch.setattr(catalog, "data_folder", lambda _: tmp_path)
-    catalog._load.cache_clear()
+    monkeypatch.setattr(loading, "data_folder", lambda _: tmp_path)
+    loading._load.cache_clear()
     yield tmp_path / "radar"
-    catalog._load.cache_clear()
+    loading._load.cache_clear()
 
 
 def test_the_catalogue_holds_radars_ais_classes_and_kernels() -> None:

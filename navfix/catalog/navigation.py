@@ -1,0 +1,99 @@
+"""Own ship over minutes: the navigator, and how she moves between fixes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from navfix.catalog.loading import load
+
+
+@dataclass(frozen=True, slots=True)
+class NavigatorModel:
+    """Constants of the navigator over minutes (see models/navigator/default.toml)."""
+
+    name: str
+    title: str
+    source: str
+    kept_s: float
+    window_s: float
+    shortest_window_s: float
+    cold_every_s: float
+    bank_every_s: float
+    birth_windows_s: list[float]
+    places: int
+    births: int
+    birth_deficit: float
+    merge_m: float
+    merge_deg: float
+    drop_behind: float
+    memory_s: float
+    same_m: float
+    plain_evidence: float
+    plain_margin: float
+    plain_marks: int
+    sure_evidence: float
+    sure_margin: float
+    sure_marks: int
+    again_evidence: float
+    again_margin: float
+    again_marks: int
+    again_ahead: float
+    least_score: float
+    least_ahead: float
+    give_up_behind: float
+    conflict_hold_s: float
+    prior_factor: float
+    prior_m: float
+    prior_deg: float
+    gap_mps: float
+    gap_degps: float
+    fewest_marks: int
+    lost_m: float
+    apart_m: float
+    lapse_evidence: float
+    lapse_memory_s: float
+    back_evidence: float
+    drop_after_s: float
+    least_probability_wrong: float
+
+
+@dataclass(frozen=True, slots=True)
+class OwnMotionModel:
+    """How own ship moves between fixes, 1 sigma where they are sigmas, and how a log is cut for smoothing.
+
+    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
+    ``current_walk_mps`` within ``current_walk_s`` where one does. ``steady_share`` of a fix's variance is the same in
+    successive fixes, the rest is forgotten with ``memory_s``. Dead reckoning ends after ``longest_s``. A log
+    is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than ``longest_bridge_s``
+    from every fix is not given.
+    """
+
+    name: str
+    title: str
+    source: str
+    velocity_walk_mps: float
+    velocity_walk_s: float
+    current_walk_mps: float
+    current_walk_s: float
+    unknown_speed_mps: float
+    unknown_current_mps: float
+    steady_share: float
+    memory_s: float
+    heading_walk_deg: float
+    heading_walk_s: float
+    gyro_drift_deg_per_h: float
+    longest_s: float
+    fastest_mps: float
+    chunk_s: float
+    margin_s: float
+    longest_bridge_s: float
+
+
+def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:
+    """Return the constants of the navigator by name in models/navigator, or the record itself."""
+    return load("navigator", name, NavigatorModel)
+
+
+def own_motion_model(name: str | OwnMotionModel = "own_ship") -> OwnMotionModel:
+    """Return how own ship moves between fixes, by name in models/own_motion, or the record itself."""
+    return load("own_motion", name, OwnMotionModel)
