@@ -11,14 +11,18 @@ import numpy as np
 
 from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
-from navfix.association.window.as_fix import as_fix
+from navfix.association.window.associate import WindowAnswer
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
+from navfix.refinement import refined
 from navfix.sequence.bank import places_of
 from navfix.sequence.places import Place, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
+
+FEWEST_REFINED = 3  # marks that determine a pose without a prior
+WORSE_SHARE = 1.5  # of the sigma with the prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,12 +83,11 @@ class Track:
         pose = jackknife.pose_at_end(
             window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior
         )
-        association = associate.association(found, pose)
-        fix = as_fix(found, 0, pose, association, epoch)
+        answer = associate.window_answer(found, pose)
         place = _place(window, pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
-        return self._take(Held(place, fix, association, given_place, "blind"), now_s)
+        return self._take(Held(place, _finished(window, answer), answer.association, given_place, "blind"), now_s)
 
     def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
         """Solve a window with a prior from before it, and take what it says."""
@@ -94,11 +97,11 @@ class Track:
         known = window.prior.given(prior)
         self.protection.note_innovation(float(known.pose_misfit_sq(answers.knots)[0]))
         pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
-        association = associate.association(found, pose)
+        answer = associate.window_answer(found, pose)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = as_fix(found, 0, pose, association, epoch) if enough else None
+        fix = _finished(window, answer) if enough else None
         return self._take(
-            Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
+            Held(_place(window, pose, now_s), fix, answer.association, float(answers.evidence[0]), "prior"), now_s
         )
 
     def carry(self, epoch: Epoch, now_s: float) -> Held | None:
@@ -168,3 +171,15 @@ def _log_prior_area(model: NavigatorModel) -> float:
     """Return ln of the area [m^2] that a prior of this navigator usually leaves, for evidence on one scale."""
     sigma_m, sigma_rad = 5.0 * model.prior_m, 2.0 * math.radians(model.prior_deg)
     return math.log(2.0 * math.pi * sigma_m**2) + math.log(sigma_rad / math.sqrt(2.0 * math.pi))
+
+
+def _finished(window: Window, answer: WindowAnswer) -> Fix:
+    """Return the fix with all scans adjusted as one graph where the window alone determines it as well as it was known.
+
+    With a prior two marks carry a place; the graph knows no prior and would be worse off.
+    """
+    if answer.marks < FEWEST_REFINED:
+        return answer.fix
+    fine = refined(window.epochs, answer)
+    worse = np.trace(fine.covariance[:2, :2]) > WORSE_SHARE**2 * np.trace(answer.fix.covariance[:2, :2])
+    return answer.fix if worse else fine

@@ -59,6 +59,11 @@ class WindowAnswer:
     labels: tuple[dict[str, str], ...]
     spread: FloatArray
 
+    @property
+    def marks(self) -> int:
+        """How many distinct marks the pairs of all epochs name."""
+        return len({mark for pairs_there in self.labels for mark in pairs_there.values()})
+
 
 def solve_window(
     epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
@@ -70,10 +75,16 @@ def solve_window(
     found = joint.cold(window)
     require_agreement(found)
     best = found.answers.take(np.array([0]))
-    pose = jackknife.pose_at_end(window.field, best.knots, best.information, window.prior)
+    return window_answer(found, jackknife.pose_at_end(window.field, best.knots, best.information, window.prior))
+
+
+def window_answer(found: Joint, pose: PoseAtEnd) -> WindowAnswer:
+    """Return the best answer of a window, whose pose at the end is known, as a fix with its pairs."""
+    window, best = found.window, found.answers.take(np.array([0]))
     matched = association(found, pose)
-    labels = pairs.labels_by_epoch(window, pairs.one_to_one(window.field, best.knots).index, epochs)
-    fix = as_fix(found, 0, pose, matched, epochs[-1])
+    index = pairs.one_to_one(window.field, best.knots).index
+    fix = as_fix(found, 0, pose, matched, window.epochs[-1])
+    labels = pairs.labels_by_epoch(window, index, window.epochs)
     return WindowAnswer(fix, matched, tuple(labels), pose.covariance - pose.formal)
 
 

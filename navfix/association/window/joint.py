@@ -20,11 +20,12 @@ from navfix.units import wrap_pi
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A window made ready: its field, the prior of own motion, and the null hypothesis."""
+    """A window made ready: its field, the prior of own motion, the null hypothesis, and the epochs it was made of."""
 
     field: WindowField
     prior: MotionPrior
     null: Null
+    epochs: tuple[Epoch, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ def prepare(
     field = WindowField(scene.build(epochs, model, shared), model, shared)
     knots, gauge = field.scene.knot_s, field.scene.gauge
     prior = motion_prior(knots, gauge, log_area(field.flat), model)
-    return Window(field, prior, null.fit_null(field, prior))
+    return Window(field, prior, null.fit_null(field, prior), tuple(epochs))
 
 
 def cold(window: Window) -> Joint:
