@@ -21,7 +21,7 @@ KEYS = {
     "observations", "pairs", "unmatched_targets", "unmatched_marks", "ambiguity", "integrity", "gnss", "plain_mean",
     "timing_ms",
 }  # fmt: skip
-EXTRA_KEYS = {"truth", "targets", "marks", "notes", "compass_error_deg", "compass_error_sigma_deg"}
+EXTRA_KEYS = {"track", "truth", "targets", "marks", "notes", "compass_error_deg", "compass_error_sigma_deg"}
 OBSERVATION_KEYS = {
     "target", "mark", "kind", "unit", "observed", "adjusted", "residual", "sigma", "standardized", "redundancy_number",
     "weight", "mdb", "external_m",
