@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.grey_series import grey_values, section_length
 from navfix.catalog import RadarModel, TrackAssociationModel, radar_model, track_association_model
+from navfix.picture.motion.grey_model import closed_form, longest_admissible
 from navfix.types import FloatArray
 from navfix.units import KNOT_MPS, wrap_180
 
@@ -93,6 +93,14 @@ def match_tracks(
 ) -> tuple[GreyMatch, ...]:
     """Match every radar track alone, as the source does: two of them may be taken for one AIS track."""
     return tuple(match_track(track, candidates, radar=radar, model=model) for track in tracks)
+
+
+def section_length(series: Sequence[FloatArray], least: int) -> int:
+    """Return how many of the first points one grey model holds for, [1] eq. (1.17) for all series together.
+
+    Never below ``least`` where there are so many points: shorter series have no model.
+    """
+    return longest_admissible(series, least=least) or min(least, *(len(values) for values in series))
 
 
 def candidate_radius_m(speed_mps: float, range_m: float, radar: RadarModel, model: TrackAssociationModel) -> float:
@@ -179,7 +187,9 @@ def _differences(section: PolarTrack, candidate: PolarTrack, model: TrackAssocia
     step_s = float(np.median(np.diff(section.time_s)))
     steps = (candidate.time_s[inside] - section.time_s[0]) / step_s
     grid_s = section.time_s[0] + step_s * np.arange(int(np.ptp(section.time_s) / step_s) + 1)
-    aligned = [grey_values(np.interp(grid_s, section.time_s, values), steps) for values in _lifted(section, model)]
+    aligned = [
+        closed_form(np.interp(grid_s, section.time_s, values)).value(steps) for values in _lifted(section, model)
+    ]
     turned = wrap_180(aligned[1] - model.bearing_lift_deg - candidate.bearing_deg[inside])
     return [
         np.abs(aligned[0] - candidate.range_m[inside]),

@@ -12,7 +12,7 @@ import traceback
 from collections.abc import Iterator, Sequence
 
 from navfix import __version__
-from navfix.cli import options
+from navfix.cli import outputs
 from navfix.cli.errors import INTERRUPTED, OK, USAGE, outcome
 
 COMMANDS = ("demo", "fix", "compare", "adjust", "replay", "targets", "simulate", "chart", "models")
@@ -58,7 +58,7 @@ def parser() -> argparse.ArgumentParser:
 def _run(args: argparse.Namespace) -> int:
     """Run the command of ``args`` and turn every way to end into an exit code and at most one line on stderr."""
     try:
-        options.protect_inputs(args)
+        outputs.protect_inputs(args)
         code = int(args.run(args))
         sys.stdout.flush()
     except BrokenPipeError:  # the reader of our output has seen enough: no error

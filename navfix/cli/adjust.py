@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from navfix.cli import options
+from navfix.cli import options, outputs, values
 from navfix.cli.errors import OK, outcome
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
             print(f"navfix: {result.complaint}", file=sys.stderr)
     text, as_json = "\n".join(result.text for result in results if result.text), "".join(f"{line}\n" for line in lines)
     print(as_json if args.json else text, end="")
-    options.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json, ".html": lambda: _page(results)})
+    outputs.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json, ".html": lambda: _page(results)})
     return min(result.code for result in results)  # one fix is enough for 0, one readable case for 3
 
 
@@ -79,7 +79,7 @@ def _solved(name: str, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
     from navfix.errors import InputError, NoFix
 
     try:
-        case = parse_case(_text(name), source="stdin" if name == options.STDIN else name)
+        case = parse_case(_text(name), source="stdin" if name == values.STDIN else name)
     except (InputError, OSError, UnicodeDecodeError) as error:
         code, complaint = outcome(error)
         return Result("", _nothing(name, "unreadable", complaint), code, complaint)
@@ -98,7 +98,7 @@ def _page(results: Sequence[Result]) -> str:
 
 
 def _text(name: str) -> str:
-    if name == options.STDIN:
+    if name == values.STDIN:
         return sys.stdin.read()
     try:
         return Path(name).read_text(encoding="utf-8-sig")

@@ -6,7 +6,7 @@ import argparse
 import math
 from pathlib import Path
 
-from navfix.cli import options
+from navfix.cli import options, outputs
 from navfix.cli.errors import OK
 
 SUFFIXES = (".txt", ".json", ".csv", ".geojson")
@@ -42,7 +42,7 @@ def run(args: argparse.Namespace) -> int:
     rows = chart_list.listed(chart, land=args.land, near=near, radius_m=radius_m)
     text, as_json = chart_list.chart_text(chart, rows), chart_list.chart_json(chart, rows)
     print(as_json if args.json else text)
-    options.write_outputs(
+    outputs.write_outputs(
         args.out,
         {
             ".txt": lambda: text + "\n",

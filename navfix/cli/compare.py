@@ -7,7 +7,7 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from navfix.cli import inputs, options, solving
+from navfix.cli import inputs, options, outputs, solving
 from navfix.cli.errors import OK
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
     print(as_json if args.json else text)
     if track is not None and truth is None:
         print(f"navfix: {args.truth}: nothing about the time of this scan: no error can be told", file=sys.stderr)
-    options.write_outputs(
+    outputs.write_outputs(
         args.out, {".txt": lambda: text + "\n", ".json": lambda: as_json + "\n", ".csv": lambda: to_csv(rows)}
     )
     return OK

@@ -7,7 +7,7 @@ import logging
 import sys
 from typing import TYPE_CHECKING
 
-from navfix.cli import options
+from navfix.cli import options, values
 from navfix.cli.errors import NO_FIX, UNREADABLE, CommandError
 
 if TYPE_CHECKING:
@@ -36,10 +36,10 @@ def read(path: str, *, charted: bool = False, targets_wanted: bool = True) -> Lo
 
     log = (
         read_log(sys.stdin.buffer, name="standard input", report=False)
-        if path == options.STDIN
+        if path == values.STDIN
         else read_log(path, report=False)
     )
-    path = log.name if path == options.STDIN else path
+    path = log.name if path == values.STDIN else path
     if not log.records:
         first = f"; {log.problems[0]}" if log.problems else ""
         raise InputError(f"{path}: nothing readable, expected NMEA sentences{first}", source=path)

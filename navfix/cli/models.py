@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from navfix.cli import options
+from navfix.cli import options, outputs
 from navfix.cli.errors import OK
 
 SUFFIXES = (".txt", ".json")
@@ -29,7 +29,7 @@ def run(args: argparse.Namespace) -> int:
     text = in_full(entries) if args.name else overview(entries)
     as_json = json.dumps([{"kind": kind, "name": name, **content} for kind, name, content in entries], indent=2)
     print(as_json if args.json else text)
-    options.write_outputs(args.out, {".txt": lambda: text + "\n", ".json": lambda: as_json + "\n"})
+    outputs.write_outputs(args.out, {".txt": lambda: text + "\n", ".json": lambda: as_json + "\n"})
     return OK
 
 

@@ -7,93 +7,19 @@ command runs: ``navfix --help`` stays quick.
 from __future__ import annotations
 
 import argparse
-import math
-import os
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from datetime import UTC, datetime
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from navfix.cli import outputs, values
 from navfix.cli.errors import CommandError
 
 if TYPE_CHECKING:
     from navfix.catalog import RadarModel
     from navfix.kernels import Kernel
 
-STDIN = "-"
-OUT_SUFFIXES = (".txt", ".json", ".svg", ".geojson", ".html", ".nmea", ".gpx", ".csv")
 KERNELS = "none, huber, hampel, danish, tukey, igg3, gnc"
-_INPUTS = ("log", "case", "truth", "chart", "outlines", "kernel", "plots")
-
-
-# ------------------------------------------------------------------------------------------------ values of options
-
-
-def positive(text: str) -> float:
-    """Return a finite number > 0."""
-    number = _number(text)
-    if not number > 0.0:
-        raise argparse.ArgumentTypeError(f"must be > 0, got {text}")
-    return number
-
-
-def not_negative(text: str) -> float:
-    """Return a finite number >= 0."""
-    number = _number(text)
-    if number < 0.0:
-        raise argparse.ArgumentTypeError(f"must be >= 0, got {text}")
-    return number
-
-
-def two_numbers(text: str) -> tuple[float, float]:
-    """Return two finite numbers separated by a comma."""
-    parts = text.split(",")
-    if len(parts) != 2:
-        raise argparse.ArgumentTypeError(f"must be two numbers like 12.5,-3, got {text!r}")
-    return _number(parts[0]), _number(parts[1])
-
-
-def _number(text: str) -> float:
-    try:
-        number = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"must be a number, got {text!r}") from None
-    if not math.isfinite(number):
-        raise argparse.ArgumentTypeError(f"must be finite, got {text}")
-    return number
-
-
-def pairs(text: str) -> tuple[tuple[str, str], ...]:
-    """Return ("target", "mark") pairs of a text like "03=AtoN 7,05=211234560"."""
-    found = tuple(tuple(side.strip() for side in part.partition("=")[::2]) for part in text.split(","))
-    if not all(target and mark for target, mark in found):
-        raise argparse.ArgumentTypeError(f"must be like 03=AtoN7,05=211234560, got {text!r}")
-    return tuple((target, mark) for target, mark in found)
-
-
-def instant(text: str) -> datetime:
-    """Return an ISO 8601 time as aware UTC; a time without a zone is UTC."""
-    try:
-        time = datetime.fromisoformat(text)
-        return time.replace(tzinfo=UTC) if time.tzinfo is None else time.astimezone(UTC)
-    except (ValueError, OverflowError):  # overflow: a zone that leads out of the years 1 .. 9999
-        raise argparse.ArgumentTypeError(f"must be a time like 2026-01-01T12:00:00Z, got {text!r}") from None
-
-
-def output_file(text: str, suffixes: Sequence[str] = OUT_SUFFIXES) -> Path:
-    """Return a path to write to: a suffix that the command can write, in a folder that exists."""
-    path = Path(text)
-    if path.suffix.lower() not in suffixes:
-        raise argparse.ArgumentTypeError(
-            f"{text}: the suffix chooses the format; here it is one of {' '.join(suffixes)}"
-        )
-    if path.is_dir():
-        raise argparse.ArgumentTypeError(f"{text}: is a directory")
-    if not path.parent.is_dir():
-        raise argparse.ArgumentTypeError(f"{text}: there is no folder {path.parent}")
-    return path
 
 
 # ------------------------------------------------------------------------------------------------ groups of options
@@ -110,10 +36,13 @@ def add_estimation(parser: argparse.ArgumentParser) -> None:
     add_kernel(group)
     group.add_argument("--radar", metavar="NAME", default="imo", help="radar model of the catalogue (default: imo)")
     group.add_argument(
-        "--range-sigma", metavar="M", type=positive, help="1 sigma of a radar range [m], replaces the model's"
+        "--range-sigma", metavar="M", type=values.positive, help="1 sigma of a radar range [m], replaces the model's"
     )
     group.add_argument(
-        "--bearing-sigma", metavar="DEG", type=positive, help="1 sigma of a radar bearing [deg], replaces the model's"
+        "--bearing-sigma",
+        metavar="DEG",
+        type=values.positive,
+        help="1 sigma of a radar bearing [deg], replaces the model's",
     )
     _add_mounting(parser)
 
@@ -124,20 +53,20 @@ def _add_mounting(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--compass-sigma",
         metavar="DEG",
-        type=not_negative,
+        type=values.not_negative,
         help="1 sigma of the error common to all true bearings [deg]; 0 holds it at zero (default: 1.5)",
     )
     for name, antenna in (("radar", "radar antenna"), ("gnss", "antenna of own GNSS")):
         group.add_argument(
             f"--{name}-antenna",
             metavar="F,S",
-            type=two_numbers,
+            type=values.two_numbers,
             help=f"{antenna} forward,starboard of the ship's reference point [m] (aft: --{name}-antenna=-12,3)",
         )
     group.add_argument(
         "--alignment",
         metavar="DEG,SIGMA",
-        type=two_numbers,
+        type=values.two_numbers,
         help="direction of the radar's zero mark from the bow, clockwise, and its 1 sigma [deg]; "
         "the heading is then the bow's",
     )
@@ -153,7 +82,7 @@ def add_kernel(parser: argparse._ActionsContainer) -> None:
     )
 
 
-def add_one_scan(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+def add_one_scan(parser: argparse.ArgumentParser, suffixes: Sequence[str] = outputs.OUT_SUFFIXES) -> None:
     """Add LOG and all options of a command that solves one radar scan of it; it can write ``suffixes``."""
     add_log(parser)
     add_at(parser)
@@ -195,11 +124,17 @@ def add_association(parser: argparse.ArgumentParser) -> None:
     """Add --pairs, --method, --accept, --prove: which target is which mark."""
     group = parser.add_argument_group("association")
     group.add_argument(
-        "--pairs", metavar="T=M,...", type=pairs, help="pairs by hand: target=mark by number, label, MMSI or name"
+        "--pairs",
+        metavar="T=M,...",
+        type=values.pairs,
+        help="pairs by hand: target=mark by number, label, MMSI or name",
     )
     group.add_argument("--method", metavar="NAME", default="seeded", help="seeded (default), or cpd: the plain one")
     group.add_argument(
-        "--accept", metavar="P", type=positive, help="accept an answer that is wrong with at most P (default: 0.001)"
+        "--accept",
+        metavar="P",
+        type=values.positive,
+        help="accept an answer that is wrong with at most P (default: 0.001)",
     )
     group.add_argument("--prove", action="store_true", help="exclude every other place by an exhaustive search")
 
@@ -209,7 +144,7 @@ def add_at(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--at",
         metavar="ISO8601",
-        type=instant,
+        type=values.instant,
         help="solve the radar scan of this time (default: the last complete one)",
     )
 
@@ -217,7 +152,7 @@ def add_at(parser: argparse.ArgumentParser) -> None:
 def add_window(parser: argparse.ArgumentParser) -> None:
     """Add --window."""
     parser.add_argument(
-        "--window", metavar="S", type=positive, help="join the scans of so many seconds into one answer"
+        "--window", metavar="S", type=values.positive, help="join the scans of so many seconds into one answer"
     )
 
 
@@ -257,19 +192,19 @@ def add_outlines(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--outlines", metavar="FILE", type=Path, help="echo outlines beside the log, JSON lines")
 
 
-def add_out(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+def add_out(parser: argparse.ArgumentParser, suffixes: Sequence[str] = outputs.OUT_SUFFIXES) -> None:
     """Add --out for the formats that the command can write."""
     parser.add_argument(
         "--out",
         metavar="FILE",
         action="append",
         default=[],
-        type=partial(output_file, suffixes=suffixes),
+        type=partial(outputs.output_file, suffixes=suffixes),
         help=f"also write FILE (repeatable); the suffix chooses the format: {' '.join(suffixes)}",
     )
 
 
-def add_output(parser: argparse.ArgumentParser, suffixes: Sequence[str] = OUT_SUFFIXES) -> None:
+def add_output(parser: argparse.ArgumentParser, suffixes: Sequence[str] = outputs.OUT_SUFFIXES) -> None:
     """Add --json and --out for the formats that the command can write."""
     parser.add_argument("--json", action="store_true", help="print JSON in place of the text")
     add_out(parser, suffixes)
@@ -329,66 +264,3 @@ def kernel(args: argparse.Namespace) -> Kernel:
     from navfix import catalog
 
     return catalog.kernel(args.kernel)
-
-
-def inputs(args: argparse.Namespace) -> Iterator[Path]:
-    """Yield every file that the arguments name as input."""
-    for name in _INPUTS:
-        value = getattr(args, name, None)
-        for item in value if isinstance(value, list) else [value]:
-            if item not in (None, STDIN):
-                yield Path(item)
-
-
-def protect_inputs(args: argparse.Namespace) -> None:
-    """Refuse an output that is one of the inputs (also through links or as standard input), or that is named twice.
-
-    Raises
-    ------
-    CommandError : the same file is read and written, or written twice
-    """
-    read = list(inputs(args))
-    written: list[Path] = []
-    for out in getattr(args, "out", None) or ():
-        if any(_same(out, path) for path in read) or (_reads_stdin(args) and _is_stdin(out)):
-            raise CommandError(f"--out {out} is an input file; an input is never overwritten")
-        if any(_same(out, path) for path in written):
-            raise CommandError(f"--out {out} is named twice")
-        written.append(out)
-
-
-def _reads_stdin(args: argparse.Namespace) -> bool:
-    case = getattr(args, "case", None) or ()
-    return getattr(args, "log", None) == STDIN or STDIN in case
-
-
-def _is_stdin(path: Path) -> bool:
-    """Tell whether standard input comes from this file (``navfix fix - < LOG``)."""
-    try:
-        return path.exists() and os.path.samestat(path.stat(), os.fstat(sys.stdin.fileno()))
-    except (OSError, ValueError, AttributeError):  # no such thing as a file behind standard input
-        return False
-
-
-def _same(one: Path, other: Path) -> bool:
-    if one.exists() and other.exists():
-        return one.samefile(other)
-    return one.resolve() == other.resolve()
-
-
-def write_outputs(paths: Sequence[Path], writers: Mapping[str, Callable[[], str]]) -> None:
-    """Write each path with the writer of its suffix; a writer returns the whole text and runs only when asked for.
-
-    Raises
-    ------
-    CommandError : no writer for a suffix (before anything is written), or a file cannot be written
-    """
-    for path in paths:
-        if path.suffix.lower() not in writers:
-            raise CommandError(f"--out {path}: this command cannot write {path.suffix}; it writes {' '.join(writers)}")
-    for path in paths:
-        text = writers[path.suffix.lower()]()
-        try:
-            path.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise CommandError(f"--out {path}: cannot be written: {error.strerror}") from error

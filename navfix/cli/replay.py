@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from navfix.cli import inputs, options, solving
+from navfix.cli import inputs, options, outputs, solving
 from navfix.cli.errors import NO_FIX, OK, CommandError
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument(
         "--veracity",
         metavar="FILE",
-        type=partial(options.output_file, suffixes=VERACITY_SUFFIXES),
+        type=partial(outputs.output_file, suffixes=VERACITY_SUFFIXES),
         help="which ships' AIS radar does not confirm, over the whole log: a table (.txt) or rows (.json)",
     )
     options.add_output(parser, SUFFIXES)
@@ -57,7 +57,7 @@ def run(args: argparse.Namespace) -> int:
     from navfix.report.writers import render
 
     written = [path for path in (*args.out, args.veracity) if path is not None]
-    options.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
+    outputs.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track, charted = inputs.truth_track(args), inputs.charted_marks(args)
     log = inputs.read_all(args, charted=bool(charted))
     lines, fixes, known, veracity = [], 0, 0, AisVeracity()
@@ -73,7 +73,7 @@ def run(args: argparse.Namespace) -> int:
         print(lines[-1], flush=True)
     if not lines:
         raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
-    options.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
+    outputs.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
     truths = "" if track is None else f", {known} of them with a truth"
     print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
     if args.veracity is not None:
@@ -137,7 +137,7 @@ def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:
     from navfix.report.veracity import summary, veracity_json, veracity_text
 
     writers = {".json": lambda: veracity_json(ships), ".txt": lambda: veracity_text(ships, all_ships=True)}
-    options.write_outputs([path], writers)
+    outputs.write_outputs([path], writers)
     print(f"navfix: AIS veracity: {summary(ships)}", file=sys.stderr)
 
 

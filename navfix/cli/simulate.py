@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from navfix.cli import options
+from navfix.cli import outputs, values
 from navfix.cli.errors import OK, UNREADABLE, CommandError
 
 if TYPE_CHECKING:
@@ -33,13 +33,13 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument(
         "--seed", metavar="N", type=_seed, default=1, help="the same seed gives the same log (default: 1)"
     )
-    parser.add_argument("--duration", metavar="S", type=options.positive, help="length [s], replaces the scenario's")
+    parser.add_argument("--duration", metavar="S", type=values.positive, help="length [s], replaces the scenario's")
     parser.add_argument(
         "--out",
         metavar="FILE",
         action="append",
         default=[],
-        type=partial(options.output_file, suffixes=SUFFIXES),
+        type=partial(outputs.output_file, suffixes=SUFFIXES),
         help="write the log to FILE.nmea, FILE_truth.csv and FILE_assoc.csv beside it (default: the log on stdout)",
     )
     for name, what in (
@@ -50,7 +50,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         parser.add_argument(
             f"--{name}-out",
             metavar="CSV",
-            type=partial(options.output_file, suffixes=(".csv",)),
+            type=partial(outputs.output_file, suffixes=(".csv",)),
             help=f"write {what} to this file (needs --out)",
         )
     parser.set_defaults(run=run)

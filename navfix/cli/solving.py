@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from navfix.cli import inputs, options
+from navfix.cli import inputs, options, outputs
 from navfix.cli.errors import NO_FIX, CommandError
 
 if TYPE_CHECKING:
@@ -179,4 +179,4 @@ def write_files(answer: Answer, paths: Sequence[Path]) -> None:
     """Write the answer to every path, in the format of its suffix."""
     from navfix.report.writers import render
 
-    options.write_outputs(paths, {suffix: partial(render, answer, suffix) for suffix in options.OUT_SUFFIXES})
+    outputs.write_outputs(paths, {suffix: partial(render, answer, suffix) for suffix in outputs.OUT_SUFFIXES})

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from navfix.cli import inputs, options, solving
+from navfix.cli import inputs, options, outputs, solving, values
 from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument(
         "--filter",
         metavar="S",
-        type=options.not_negative,
+        type=values.not_negative,
         default=60.0,
         help="seconds before it that each sensor is filtered over; 0: the scan alone (default: 60)",
     )
@@ -52,7 +52,7 @@ def run(args: argparse.Namespace) -> int:
     ships = pipeline.targets(_history(log, newest, args, charted), radar=options.radar(args), kernel=args.kernel)
     shown = ships if args.find is None else _found(ships, args.find)
     print(WRITERS[".json" if args.json else ".txt"](shown).rstrip("\n"))
-    options.write_outputs(args.out, {suffix: partial(WRITERS[suffix], shown) for suffix in SUFFIXES})
+    outputs.write_outputs(args.out, {suffix: partial(WRITERS[suffix], shown) for suffix in SUFFIXES})
     if ships.own_position is None:
         print(f"navfix: no fix ({ships.reason}), nothing fused: {one_line(Exception(ships.message))}", file=sys.stderr)
         return NO_FIX

@@ -143,20 +143,23 @@ def _static(message: Any, payload: Payload, **more: Any) -> AisStatic:
     return AisStatic(payload.time_s, mmsi, payload.message_type, own=payload.own, source=payload.source, **more)
 
 
-def _class_a(message: Any, payload: Payload) -> tuple[Record, ...]:
-    report = _position(
+def _under_way(message: Any, payload: Payload, **more: Any) -> AisPosition:
+    """Read what the position reports of class A and class B have in common."""
+    return _position(
         message,
         payload,
         _ship_kind(message.mmsi),
         speed_mps=_speed_mps(message.speed),
         course_deg=_course_deg(message.course),
         heading_deg=_heading_deg(message.heading),
-        turn_rate_deg_per_min=_turn_rate(message.turn),
         utc_second=_second(message.second),
-        navigation_status=int(message.status),
-        ais_class="A",
+        **more,
     )
-    return (report,)
+
+
+def _class_a(message: Any, payload: Payload) -> tuple[Record, ...]:
+    turn_rate, status = _turn_rate(message.turn), int(message.status)
+    return (_under_way(message, payload, turn_rate_deg_per_min=turn_rate, navigation_status=status, ais_class="A"),)
 
 
 def _base_station(message: Any, payload: Payload) -> tuple[Record, ...]:
@@ -181,18 +184,7 @@ def _aircraft(message: Any, payload: Payload) -> tuple[Record, ...]:
 
 
 def _class_b(message: Any, payload: Payload, **static: Any) -> tuple[Record, ...]:
-    report = _position(
-        message,
-        payload,
-        _ship_kind(message.mmsi),
-        speed_mps=_speed_mps(message.speed),
-        course_deg=_course_deg(message.course),
-        heading_deg=_heading_deg(message.heading),
-        utc_second=_second(message.second),
-        ais_class="B",
-        **static,
-    )
-    return (report,)
+    return (_under_way(message, payload, ais_class="B", **static),)
 
 
 def _class_b_extended(message: Any, payload: Payload) -> tuple[Record, ...]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from scipy.special import stdtrit
 
@@ -13,16 +12,14 @@ from navfix.geodesy import inverse
 from navfix.report import words
 from navfix.report.answer import Answer
 from navfix.report.data_used import data_entries
+from navfix.report.entries import LABEL, about, entry, in_metres, wrapped
+from navfix.report.other_positions import beside_lines, gnss_lines, three_positions
 from navfix.report.rows import PairRow, pair_rows, unmatched_indices
 from navfix.report.tables import printable, residual_table
-from navfix.types import Alternative, Epoch, Fix, GnssVerdict, MeanFix, PlanePosition, Position, RadarTarget
+from navfix.types import Alternative, Epoch, Fix, PlanePosition, Position, RadarTarget
 from navfix.units import NM_M
 
-WIDTH = 100
-_LABEL = 16
 _LISTED = 10  # places and targets listed in full before the rest is only counted
-_GNSS_WORDS = {"ok": "OK", "caution": "CAUTION", "unsafe": "UNSAFE", "not_available": "NOT AVAILABLE"}
-_RECKONED_BY = {"log_and_gyro": "log and gyro", "log": "log along the last heading", "last_velocity": "last velocity"}
 
 
 def report_text(answer: Answer) -> str:
@@ -43,7 +40,7 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
     yield from _cautions(answer)
     yield from _certainty(fix)
     yield from _data(answer)
-    yield from _beside(answer, fix)
+    yield from beside_lines(answer, fix)
     yield from _named_outliers(fix, rows)
     yield ""
     yield from _quality(fix)
@@ -54,34 +51,34 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
 
 
 def _pose(fix: Fix) -> Iterator[str]:
-    yield from _entry("Position", words.place(fix.position))
+    yield from entry("Position", words.place(fix.position))
     if isinstance(fix.position, Position):
-        yield from _entry("", f"{fix.position.lat_deg:.8f}   {fix.position.lon_deg:.8f}")
+        yield from entry("", f"{fix.position.lat_deg:.8f}   {fix.position.lon_deg:.8f}")
     if fix.heading_deg is not None:
-        yield from _entry("Heading", f"{words.bearing(fix.heading_deg)}{_heading_spread(fix)}   {_reference(fix)}")
+        yield from entry("Heading", f"{words.bearing(fix.heading_deg)}{_heading_spread(fix)}   {_reference(fix)}")
     ellipse = fix.ellipse(0.95)
     axis = ellipse.azimuth_deg % 180.0
-    yield from _entry(
+    yield from entry(
         "Ellipse 95 %",
-        f"{_metres(ellipse.semi_major_m)} x {_metres(ellipse.semi_minor_m)} (semi axes), "
+        f"{in_metres(ellipse.semi_major_m)} x {in_metres(ellipse.semi_minor_m)} (semi axes), "
         f"the longer along {words.direction(axis)} - {words.direction(axis + 180.0)}",
     )
     if fix.integrity is not None:
         level = fix.integrity.protection_level_m
-        beyond = "" if level is None else f"   protection level {_metres(level)}{_false_alarm(fix)}"
-        yield from _entry("R95", _metres(fix.integrity.r95_m) + beyond)
+        beyond = "" if level is None else f"   protection level {in_metres(level)}{_false_alarm(fix)}"
+        yield from entry("R95", in_metres(fix.integrity.r95_m) + beyond)
         if level is None and fix.integrity.reason:
-            yield from _entry("", f"protection level not available: {fix.integrity.reason}")
+            yield from entry("", f"protection level not available: {fix.integrity.reason}")
 
 
 def _cautions(answer: Answer) -> Iterator[str]:
     for caution in answer.cautions:
-        yield from _entry("CAUTION", caution)
+        yield from entry("CAUTION", caution)
 
 
 def _data(answer: Answer) -> Iterator[str]:
     for label, text in data_entries(answer.epoch):
-        yield from _entry(label, text)
+        yield from entry(label, text)
 
 
 def _heading_spread(fix: Fix) -> str:
@@ -110,81 +107,20 @@ def _certainty(fix: Fix) -> Iterator[str]:
     if found is not None and found.probability_wrong is not None:
         margin = "" if found.margin is None else f" (evidence {found.evidence or 0.0:.1f}, margin {found.margin:.1f})"
         odds = words.odds(found.probability_wrong)
-        yield from _entry("How sure", f"{odds} that this is another place{margin}")
+        yield from entry("How sure", f"{odds} that this is another place{margin}")
     elif found is not None and found.method == "by_hand":
-        yield from _entry("How sure", "the pairs were given by hand: another place was not looked for")
+        yield from entry("How sure", "the pairs were given by hand: another place was not looked for")
     if others:
-        yield from _entry("Other places", "less likely, the best first:")
+        yield from entry("Other places", "less likely, the best first:")
         yield from _alternatives(others, fix.position)
     if found is not None and found.second_group is not None:
         group = found.second_group
-        yield from _entry(
+        yield from entry(
             "Second group",
             f"{words.plural(len(group.targets), 'target')} ({', '.join(group.targets)}) agree on AIS positions shifted "
             f"by {words.distance(group.offset_m)} along {words.direction(group.azimuth_deg)} from those of the fix: "
             "one of the two groups may be spoofed. If it is that of the fix, own ship lies as far off, the same way",
         )
-
-
-def _beside(answer: Answer, fix: Fix) -> Iterator[str]:
-    if answer.plain_mean is not None:
-        yield from _entry("Plain mean", _plain_mean(answer.plain_mean, fix))
-    if answer.gnss is not None or answer.epoch is not None:
-        yield from _gnss(answer.gnss)
-    yield from _three_positions(answer, fix)
-    truth = answer.truth
-    if truth is not None:
-        error = "" if truth.error_m is None else f"the fix is {words.distance(truth.error_m)} off"
-        turned = truth.heading_error_deg
-        heading = "" if turned is None else f", its heading {turned:+.2f}°"
-        yield from _entry("Truth", f"{words.place(truth.position)}   {error}{heading}")
-
-
-def _three_positions(answer: Answer, fix: Fix | None) -> Iterator[str]:
-    """Yield the reckoned and the observed position beside the adjusted one; nothing before there is dead reckoning."""
-    reckoned = answer.dead_reckoning
-    if reckoned is None:
-        return
-    ellipse = reckoned.ellipse(0.95)
-    off = ""
-    if fix is not None and isinstance(fix.position, Position):
-        distance_m, azimuth_deg = inverse(fix.position, reckoned.position)
-        off = f"   {words.distance(distance_m)} from the fix, {words.direction(azimuth_deg)}"
-    yield from _entry("Dead reckoning", words.place(reckoned.position) + off)
-    yield from _entry(
-        "",
-        f"{reckoned.age_s:.0f} s after the last fix, by {_RECKONED_BY[reckoned.source]}; ellipse 95 % "
-        f"{_metres(ellipse.semi_major_m)} x {_metres(ellipse.semi_minor_m)}",
-    )
-    observed = None if fix is None or fix.association is None else fix.association.position
-    if observed is not None and fix is not None and isinstance(fix.position, Position):
-        distance_m, azimuth_deg = inverse(fix.position, observed)
-        off = f"   {words.distance(distance_m)} from the fix, {words.direction(azimuth_deg)}"
-        yield from _entry("Observed", words.place(observed) + off)
-
-
-def _plain_mean(mean: MeanFix, fix: Fix) -> str:
-    apart = ""
-    if isinstance(fix.position, Position):
-        distance_m, azimuth_deg = inverse(fix.position, mean.position)
-        apart = f"   {words.distance(distance_m)} from the fix along {words.direction(azimuth_deg)}"
-    return f"{words.place(mean.position)}{apart}   (mean of {int(mean.used.sum())} of {len(mean.used)})"
-
-
-def _gnss(gnss: GnssVerdict | None) -> Iterator[str]:
-    if gnss is None:
-        yield from _entry("GNSS", "none in the data to compare with")
-        return
-    if gnss.verdict == "not_available":
-        yield from _entry("GNSS", "; ".join(("NOT AVAILABLE", *gnss.reasons)))
-        return
-    yield from _entry(
-        "GNSS",
-        f"{_GNSS_WORDS[gnss.verdict]}: {words.distance(gnss.distance_m)} from the fix "
-        f"(limit {_metres(gnss.threshold_m)}, smallest error that would be seen {_metres(gnss.smallest_detectable_m)})",
-    )
-    for reason in gnss.reasons:
-        yield from _entry("", f"- {reason}")
 
 
 def _named_outliers(fix: Fix, rows: Sequence[PairRow]) -> Iterator[str]:
@@ -194,7 +130,7 @@ def _named_outliers(fix: Fix, rows: Sequence[PairRow]) -> Iterator[str]:
     yield ""
     title = "SUSPECT: " if fix.kernel == "none" else "OUTLIER: "
     for row in outliers[: 2 * _LISTED]:
-        yield from _wrapped(title + outlier_words(row), indent=len(title))
+        yield from wrapped(title + outlier_words(row), indent=len(title))
     if len(outliers) > 2 * _LISTED:
         yield f"and {len(outliers) - 2 * _LISTED} more, marked * in the table"
 
@@ -208,11 +144,11 @@ def outlier_words(row: PairRow) -> str:
     if row.mark is None:
         said = "given"
     if row.offset_m is not None and row.offset_azimuth_deg is not None:
-        metres = _two_digits(row.offset_m)
+        metres = about(row.offset_m)
         return f"{pair}: {said} position about {metres} off along {words.direction(row.offset_azimuth_deg)}"
     if row.range is not None:
         side = "longer" if row.range.residual < 0.0 else "shorter"
-        return f"{pair}: range {_metres(abs(row.range.residual))} {side} than to the {said} position"
+        return f"{pair}: range {in_metres(abs(row.range.residual))} {side} than to the {said} position"
     assert row.bearing is not None
     side = "right" if row.bearing.residual < 0.0 else "left"
     return f"{pair}: bearing {abs(row.bearing.residual):.2f}° to the {side} of the {said} position"
@@ -221,12 +157,12 @@ def outlier_words(row: PairRow) -> str:
 def _quality(fix: Fix) -> Iterator[str]:
     scaling = "from the residuals" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
     sigma0 = f"sigma0 {fix.sigma0:.3f}   redundancy {fix.redundancy}"
-    yield from _wrapped(f"{sigma0}   kernel {fix.kernel}   covariance {scaling}", indent=2)
+    yield from wrapped(f"{sigma0}   kernel {fix.kernel}   covariance {scaling}", indent=2)
     test = fix.global_test
     if test is not None:
         word = "passed" if test.passed else "FAILED: the sigmas are too small or errors remain"
         limit = f"limit {test.threshold:.1f} at {test.dof:.1f} degrees of freedom"
-        yield from _wrapped(f"global test: {test.statistic:.1f}, {limit}: {word}", indent=2)
+        yield from wrapped(f"global test: {test.statistic:.1f}, {limit}: {word}", indent=2)
 
 
 def _unmatched(fix: Fix) -> Iterator[str]:
@@ -243,7 +179,7 @@ def _unmatched(fix: Fix) -> Iterator[str]:
 def _target_list(title: str, targets: Sequence[RadarTarget]) -> Iterator[str]:
     """Yield the targets side by side; a line never breaks inside one of them."""
     tied = ", ".join(_target(target).replace(" ", "\u00a0") for target in targets)
-    yield from (line.replace("\u00a0", " ") for line in _wrapped(f"{title} {tied}", indent=2))
+    yield from (line.replace("\u00a0", " ") for line in wrapped(f"{title} {tied}", indent=2))
 
 
 def _target(target: RadarTarget) -> str:
@@ -260,19 +196,19 @@ def no_fix_lines(answer: Answer) -> Iterator[str]:
     assert error is not None
     yield _title("NO FIX", answer, _counts(answer.epoch, None))
     yield ""
-    yield from _entry("Because", words.REASONS.get(error.reason, error.reason.replace("_", " ")))
-    yield from _entry("", str(error))
+    yield from entry("Because", words.REASONS.get(error.reason, error.reason.replace("_", " ")))
+    yield from entry("", str(error))
     yield from _cautions(answer)
-    yield from _entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
+    yield from entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
     yield from _evidence(error)
     yield from _data(answer)
     if answer.gnss is not None:
-        yield from _gnss(answer.gnss)
+        yield from gnss_lines(answer.gnss)
     elif answer.epoch is not None and answer.epoch.gnss is not None:
-        yield from _entry("GNSS", "present, but without a fix there is nothing to compare it with")
-    yield from _three_positions(answer, None)
+        yield from entry("GNSS", "present, but without a fix there is nothing to compare it with")
+    yield from three_positions(answer, None)
     if answer.truth is not None:
-        yield from _entry("Truth", words.place(answer.truth.position))
+        yield from entry("Truth", words.place(answer.truth.position))
     if answer.epoch is not None and answer.epoch.targets:
         yield ""
         yield from _target_list("Targets:", answer.epoch.targets)
@@ -283,10 +219,10 @@ def _evidence(error: NoFix) -> Iterator[str]:
     places: Sequence[Alternative] = getattr(error, "alternatives", ())
     evidence: float | None = getattr(error, "evidence", None)
     if evidence is not None:
-        yield from _entry("Evidence", f"{evidence:.1f} for the best place found")
+        yield from entry("Evidence", f"{evidence:.1f} for the best place found")
     if places:
         fit = "places fit" if error.reason == "ambiguous" else "places were tried"
-        yield from _entry("Places", f"{len(places)} {fit}; the best first:")
+        yield from entry("Places", f"{len(places)} {fit}; the best first:")
         yield from _alternatives(places, places[0].position)
 
 
@@ -302,9 +238,9 @@ def _alternatives(places: Sequence[Alternative], centre: Position | PlanePositio
             distance_m, azimuth_deg = inverse(centre, place.position)
             if distance_m > 0.5:
                 apart = f"   {words.short_distance(distance_m)} along {words.direction(azimuth_deg)}"
-        yield from _entry("", f"{words.place(place.position)}{heading}   score {place.score:.1f}{apart}")
+        yield from entry("", f"{words.place(place.position)}{heading}   score {place.score:.1f}{apart}")
     if len(places) > _LISTED:
-        yield from _entry("", f"and {len(places) - _LISTED} more (all of them stand in the JSON)")
+        yield from entry("", f"and {len(places) - _LISTED} more (all of them stand in the JSON)")
 
 
 def _notes(answer: Answer, fix: Fix | None) -> Iterator[str]:
@@ -313,15 +249,15 @@ def _notes(answer: Answer, fix: Fix | None) -> Iterator[str]:
     if notes:
         yield ""
     for note in notes:
-        yield from _wrapped(f"Note: {note}", indent=6)
+        yield from wrapped(f"Note: {note}", indent=6)
     spent = "   ".join(f"{step} {spent_ms:.1f} ms" for step, spent_ms in answer.timing_ms.items())
     if spent:
         yield ""
-        yield from _wrapped(f"Computed in: {spent}", indent=2)
+        yield from wrapped(f"Computed in: {spent}", indent=2)
 
 
 def _title(verdict: str, answer: Answer, counts: str) -> str:
-    return f"{verdict:<{_LABEL}}{words.utc(answer.time_utc):<28}{counts}"
+    return f"{verdict:<{LABEL}}{words.utc(answer.time_utc):<28}{counts}"
 
 
 def _counts(epoch: Epoch | None, pairs: int | None) -> str:
@@ -332,24 +268,3 @@ def _counts(epoch: Epoch | None, pairs: int | None) -> str:
     )
     matched = "" if pairs is None else words.plural(pairs, "pair")
     return ", ".join(part for part in (seen, matched) if part)
-
-
-def _entry(label: str, text: str) -> Iterator[str]:
-    yield from _wrapped(f"{label:<{_LABEL}}{text}", indent=_LABEL)
-
-
-def _wrapped(text: str, *, indent: int) -> Iterable[str]:
-    if len(text) <= WIDTH:
-        return [text]
-    return textwrap.wrap(text, WIDTH, subsequent_indent=" " * indent, break_long_words=True, replace_whitespace=False)
-
-
-def _metres(metres: float) -> str:
-    return f"{metres:.3f} m" if metres < 1.0 else (f"{metres:.1f} m" if metres < 100.0 else f"{metres:.0f} m")
-
-
-def _two_digits(metres: float) -> str:
-    """Return a distance with two digits, as an "about" deserves."""
-    if metres < 10.0:
-        return f"{metres:.1f} m"
-    return words.distance(round(metres, 1 - math.floor(math.log10(metres))))

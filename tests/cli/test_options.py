@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from navfix.catalog import radar_model
-from navfix.cli import options
+from navfix.cli import options, outputs
 from navfix.cli.errors import CommandError
 from navfix.errors import CatalogError
 
@@ -98,7 +98,7 @@ def test_an_input_is_never_overwritten(tmp_path: Path) -> None:
     for out in (log, link, hard, detour):
         args = _parser().parse_args([str(log), "--out", str(out)])
         with pytest.raises(CommandError, match="never overwritten"):
-            options.protect_inputs(args)
+            outputs.protect_inputs(args)
     assert log.read_text() == "precious"
 
 
@@ -108,21 +108,21 @@ def test_side_inputs_are_protected_too(tmp_path: Path, option: str) -> None:
     side.write_text("{}")
     args = _parser().parse_args(["-", option, str(side), "--out", str(side)])
     with pytest.raises(CommandError, match="never overwritten"):
-        options.protect_inputs(args)
+        outputs.protect_inputs(args)
 
 
 def test_no_output_is_named_twice(tmp_path: Path) -> None:
     args = _parse("--out", str(tmp_path / "a.svg"), "--out", str(tmp_path / "." / "a.svg"))
     with pytest.raises(CommandError, match="named twice"):
-        options.protect_inputs(args)
+        outputs.protect_inputs(args)
 
 
 def test_outputs_beside_the_inputs_are_written(tmp_path: Path) -> None:
     args = _parse("--out", str(tmp_path / "a.svg"), "--out", str(tmp_path / "B.JSON"))
-    options.protect_inputs(args)
+    outputs.protect_inputs(args)
     called: list[str] = []
     writers = {suffix: (lambda suffix=suffix: called.append(suffix) or suffix) for suffix in (".svg", ".json", ".html")}
-    options.write_outputs(args.out, writers)
+    outputs.write_outputs(args.out, writers)
     assert called == [".svg", ".json"]
     assert (tmp_path / "a.svg").read_text() == ".svg"
     assert (tmp_path / "B.JSON").read_text() == ".json"
@@ -132,13 +132,13 @@ def test_a_file_that_cannot_be_written_is_said(tmp_path: Path) -> None:
     folder = tmp_path / "late.svg"
     folder.mkdir()
     with pytest.raises(CommandError, match="cannot be written"):
-        options.write_outputs([folder], {".svg": lambda: "x"})
+        outputs.write_outputs([folder], {".svg": lambda: "x"})
 
 
 def test_a_format_that_a_command_cannot_write_is_said_before_anything_is_written(tmp_path: Path) -> None:
     paths = [tmp_path / "a.svg", tmp_path / "a.gpx"]
     with pytest.raises(CommandError, match=r"cannot write \.gpx; it writes \.svg"):
-        options.write_outputs(paths, {".svg": lambda: "x"})
+        outputs.write_outputs(paths, {".svg": lambda: "x"})
     assert not list(tmp_path.iterdir())
 
 
@@ -157,9 +157,9 @@ def test_the_file_behind_standard_input_is_never_overwritten(tmp_path: Path, mon
     with log.open(encoding="ascii") as stdin:
         monkeypatch.setattr("sys.stdin", stdin)
         with pytest.raises(CommandError, match="is an input file"):
-            options.protect_inputs(_parser().parse_args(["-", "--out", str(log)]))
-        options.protect_inputs(_parser().parse_args(["-", "--out", str(other)]))
-        options.protect_inputs(_parser().parse_args(["elsewhere.nmea", "--out", str(log)]))
+            outputs.protect_inputs(_parser().parse_args(["-", "--out", str(log)]))
+        outputs.protect_inputs(_parser().parse_args(["-", "--out", str(other)]))
+        outputs.protect_inputs(_parser().parse_args(["elsewhere.nmea", "--out", str(log)]))
 
 
 def test_the_mounting_of_the_radar_goes_into_its_model() -> None:

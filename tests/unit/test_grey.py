@@ -20,8 +20,8 @@ from navfix.association.grey import (
     match_tracks,
     relational_degrees,
     report_interval_s,
+    section_length,
 )
-from navfix.association.grey_series import grey_parameters, grey_values, section_length
 from navfix.association.grey_tracks import OwnPose, polar_tracks
 from navfix.catalog import radar_model, track_association_model
 from navfix.geodesy import direct, inverse
@@ -56,23 +56,6 @@ def test_a_section_ends_where_a_class_ratio_leaves_the_cover() -> None:
 
 def test_values_at_zero_have_no_class_ratio() -> None:
     assert section_length([np.zeros(20)], 5) == 5
-
-
-def test_the_closed_form_is_least_squares() -> None:
-    values = np.array([2.0, 2.2, 2.5, 2.6, 3.0, 3.1])
-    total = np.cumsum(values)
-    B = np.stack([-0.5 * (total[1:] + total[:-1]), np.ones(5)], axis=1)
-    assert grey_parameters(values) == pytest.approx(np.linalg.lstsq(B, values[1:], rcond=None)[0], abs=1e-9)
-
-
-@given(st.floats(0.1, 1e5))
-def test_a_constant_series_stays_constant(value: float) -> None:
-    assert grey_values(np.full(7, value), [0.0, 0.5, 3.0, 6.5]) == pytest.approx(np.full(4, value), rel=1e-6)
-
-
-def test_an_exponential_is_followed_between_its_points() -> None:
-    values = 1000.0 * 1.01 ** np.arange(10)
-    assert grey_values(values, [2.5, 4.0, 8.5]) == pytest.approx(1000.0 * 1.01 ** np.array([2.5, 4.0, 8.5]), rel=1e-4)
 
 
 # ------------------------------------------------------------------------------------------------- degrees

@@ -15,6 +15,7 @@ from navfix.picture.motion.grey_model import (
     admissible,
     at_times,
     class_ratios,
+    closed_form,
     fit,
     fit_by_matrix,
     lifted,
@@ -36,6 +37,34 @@ def test_the_closed_and_the_matrix_form_agree(values: list[float]):
     scale = max(abs(matrix.a), abs(matrix.b), 1.0)
     assert abs(closed.a - matrix.a) < 1e-9 * scale
     assert abs(closed.b - matrix.b) < 1e-9 * scale
+
+
+def test_the_closed_form_is_that_of_a_solver() -> None:
+    values = np.array([2.0, 2.2, 2.5, 2.6, 3.0, 3.1])
+    total = np.cumsum(values)
+    B = np.stack([-0.5 * (total[1:] + total[:-1]), np.ones(5)], axis=1)
+    model = closed_form(values)
+    assert (model.a, model.b) == pytest.approx(np.linalg.lstsq(B, values[1:], rcond=None)[0], abs=1e-9)
+
+
+@given(st.floats(0.1, 1e5))
+def test_any_constant_series_stays_constant(value: float) -> None:
+    assert closed_form(np.full(7, value)).value([0.0, 0.5, 3.0, 6.5]) == pytest.approx(np.full(4, value), rel=1e-6)
+
+
+def test_an_exponential_is_followed_between_its_points() -> None:
+    values = 1000.0 * 1.01 ** np.arange(10)
+    steps = np.array([2.5, 4.0, 8.5])
+    assert closed_form(values).value(steps) == pytest.approx(1000.0 * 1.01**steps, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("values", "level"), [([3.0], 3.0), ([3.0, 5.0], 5.0), ([1e12, 2.0, 3.0, 4.0], 3.0)], ids=["one", "two", "jump"]
+)
+def test_a_series_without_a_single_answer_is_level_after_its_first_value(values: list[float], level: float) -> None:
+    model = closed_form(values)
+    assert (model.a, model.b, model.first) == (0.0, level, values[0])
+    assert model.value([0.0, 1.0, 2.5]) == pytest.approx([values[0], level, level])
 
 
 @pytest.mark.parametrize("value", [7.2, 1e-3, 1e6])

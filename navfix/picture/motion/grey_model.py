@@ -69,17 +69,28 @@ def means(values: ArrayLike) -> FloatArray:
 
 
 def fit(values: ArrayLike) -> GreyModel:
-    """Fit GM(1,1) by the closed form, eq. (1.11) and (1.12).
+    """Fit GM(1,1) to a series as the source asks for one.
 
     Raises
     ------
-    InputError : fewer than five values
+    InputError : fewer than five values, or one that is not positive
     """
-    x0, z1 = _checked(values), means(values)
-    n, y = len(x0), x0[1:]
+    return closed_form(_checked(values))
+
+
+def closed_form(values: ArrayLike) -> GreyModel:
+    """Fit GM(1,1) by the closed form, eq. (1.11) and (1.12), to a series of any length.
+
+    Where the least squares have no single answer (fewer than three values, one value beside which the others are
+    nothing) the model is level: the mean of all values but the first.
+    """
+    x0, z1 = np.asarray(values, dtype=np.float64), means(values)
+    n, y = len(z1), x0[1:]
     C, D, E, F = z1.sum(), y.sum(), z1 @ y, z1 @ z1
-    a, b = np.array([[n - 1.0, C], [C, F]]) @ [-E, D] / ((n - 1.0) * F - C * C)
-    return GreyModel(float(a), float(b), float(x0[0]))
+    determinant = n * F - C * C
+    if n < 2 or determinant <= 1e-12 * n * F:
+        return GreyModel(0.0, float(y.mean() if n else x0[0]), float(x0[0]))
+    return GreyModel(float((C * D - n * E) / determinant), float((D * F - C * E) / determinant), float(x0[0]))
 
 
 def fit_by_matrix(values: ArrayLike) -> GreyModel:
@@ -111,10 +122,10 @@ def admissible(values: ArrayLike) -> bool:
     return bool(np.all(np.abs(np.log(class_ratios(x0))) < 2.0 / (len(x0) + 1.0)))
 
 
-def longest_admissible(series: Sequence[ArrayLike]) -> int:
-    """Return the largest n for which the first n values of every series pass the class-ratio test together; 0: none."""
+def longest_admissible(series: Sequence[ArrayLike], *, least: int = LEAST_VALUES) -> int:
+    """Return the largest n >= ``least`` so that n values of every series pass the class-ratio test together, or 0."""
     arrays = [np.asarray(values, dtype=np.float64) for values in series]
-    for n in range(min(map(len, arrays)), LEAST_VALUES - 1, -1):
+    for n in range(min(map(len, arrays)), least - 1, -1):
         if all(admissible(values[:n]) for values in arrays):
             return n
     return 0
