@@ -11,7 +11,6 @@ import numpy as np
 
 from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
-from navfix.association.window.associate import WindowAnswer
 from navfix.association.window.joint import Joint, Window
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
@@ -20,9 +19,6 @@ from navfix.sequence.bank import places_of
 from navfix.sequence.places import Place, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
-
-FEWEST_REFINED = 3  # marks that determine a pose without a prior
-WORSE_SHARE = 1.5  # of the sigma with the prior
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +73,10 @@ class Track:
         return next((row for row, place in enumerate(places) if here.distance_m(place) <= self._model.same_m), None)
 
     def take_blind(self, found: Joint, epoch: Epoch, now_s: float, row: int = 0) -> Held:
-        """Take a blind answer at this place as the fix."""
+        """Take a blind answer at this place as the fix, its scans adjusted as one graph.
+
+        A window with a prior stays as it was solved: the graph knows no prior and would be worse off.
+        """
         found = Joint(found.window, found.answers.take(np.roll(np.arange(len(found.answers)), -row)))
         window, answers = found.window, found.answers
         pose = jackknife.pose_at_end(
@@ -87,7 +86,7 @@ class Track:
         place = _place(window, pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
-        return self._take(Held(place, _finished(window, answer), answer.association, given_place, "blind"), now_s)
+        return self._take(Held(place, refined(window.epochs, answer), answer.association, given_place, "blind"), now_s)
 
     def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
         """Solve a window with a prior from before it, and take what it says."""
@@ -99,7 +98,7 @@ class Track:
         pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
         answer = associate.window_answer(found, pose)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = _finished(window, answer) if enough else None
+        fix = answer.fix if enough else None
         return self._take(
             Held(_place(window, pose, now_s), fix, answer.association, float(answers.evidence[0]), "prior"), now_s
         )
@@ -171,15 +170,3 @@ def _log_prior_area(model: NavigatorModel) -> float:
     """Return ln of the area [m^2] that a prior of this navigator usually leaves, for evidence on one scale."""
     sigma_m, sigma_rad = 5.0 * model.prior_m, 2.0 * math.radians(model.prior_deg)
     return math.log(2.0 * math.pi * sigma_m**2) + math.log(sigma_rad / math.sqrt(2.0 * math.pi))
-
-
-def _finished(window: Window, answer: WindowAnswer) -> Fix:
-    """Return the fix with all scans adjusted as one graph where the window alone determines it as well as it was known.
-
-    With a prior two marks carry a place; the graph knows no prior and would be worse off.
-    """
-    if answer.marks < FEWEST_REFINED:
-        return answer.fix
-    fine = refined(window.epochs, answer)
-    worse = np.trace(fine.covariance[:2, :2]) > WORSE_SHARE**2 * np.trace(answer.fix.covariance[:2, :2])
-    return answer.fix if worse else fine

@@ -59,11 +59,6 @@ class WindowAnswer:
     labels: tuple[dict[str, str], ...]
     spread: FloatArray
 
-    @property
-    def marks(self) -> int:
-        """How many distinct marks the pairs of all epochs name."""
-        return len({mark for pairs_there in self.labels for mark in pairs_there.values()})
-
 
 def solve_window(
     epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
