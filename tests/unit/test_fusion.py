@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from navfix import pipeline
+from navfix.catalog import ais_model, track_model
 from navfix.errors import InputError
 from navfix.geodesy import direct, inverse
 from navfix.picture.board import TargetBoard
@@ -81,7 +82,9 @@ def test_pairs_are_fused_and_the_others_stand_alone():
     assert first.range_m == pytest.approx((4000.0 / 500.0 + 4030.0 / 625.0) / (1 / 500.0 + 1 / 625.0), abs=0.01)
     assert first.range_variance_m2 == pytest.approx(1.0 / (1 / 500.0 + 1 / 625.0))
     assert first.bearing_deg == pytest.approx(10.0, abs=0.01)
-    assert first.course_deg == pytest.approx(358.4, abs=0.2)  # the course of AIS is the surer one
+    # Courses of 2 deg at 6 m/s (radar) and 358 deg at 5 m/s (AIS), each as sure as its sensor's speeds are.
+    radar, ais = (6.0 / track_model().radar_speed_sigma_mps) ** 2, (5.0 / ais_model("class_a").speed_sigma_mps) ** 2
+    assert first.course_deg == pytest.approx((358.0 * ais + 362.0 * radar) / (ais + radar) % 360.0, abs=0.01)
     assert first.position is not None
     assert inverse(OWN, first.position)[0] == pytest.approx(first.range_m, abs=1e-3)
 
