@@ -15,6 +15,7 @@ from navfix.errors import NoFix
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Kernel
 from navfix.types import Epoch, Fix, Position
+from navfix.units import wrap_180
 
 AGREES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
 
@@ -41,18 +42,19 @@ def refined(
     """
     rough = found.fix
     assert isinstance(rough.position, Position)
-    assert rough.heading_deg is not None
     try:
-        fine = adjust_window(
-            epochs, found.labels, start=(rough.position, rough.heading_deg), radar=radar, kernel=kernel
-        )
+        start = (rough.position, rough.heading_deg or 0.0)
+        fine = adjust_window(epochs, found.labels, start=start, radar=radar, kernel=kernel)
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
-    if _misfit_sq(rough, fine) > AGREES:
+    if len(fine.covariance) != len(rough.covariance) or _misfit_sq(rough, fine) > AGREES:
         return _unrefined(rough, "the adjustment of all scans leads elsewhere")
+    unknowns = len(fine.covariance)
+    covariance = fine.covariance + found.spread[:unknowns, :unknowns]
     return replace(
         fine,
-        covariance=fine.covariance + found.spread,
+        covariance=covariance,
+        cofactor_matrix=covariance / fine.sigma0**2,
         association=found.association,
         notes=(*rough.notes, *fine.notes),
     )
@@ -67,6 +69,6 @@ def _misfit_sq(rough: Fix, fine: Fix) -> float:
     assert isinstance(rough.position, Position)
     assert isinstance(fine.position, Position)
     north_m, east_m = LocalPlane(rough.position).to_plane(fine.position)
-    turned_deg = ((fine.heading_deg or 0.0) - (rough.heading_deg or 0.0) + 180.0) % 360.0 - 180.0
-    step = np.array([north_m, east_m, math.radians(turned_deg)])
+    turned_deg = wrap_180((fine.heading_deg or 0.0) - (rough.heading_deg or 0.0))
+    step = np.array([north_m, east_m, math.radians(turned_deg)])[: len(rough.covariance)]
     return float(step @ np.linalg.solve(rough.covariance, step))

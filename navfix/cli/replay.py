@@ -82,7 +82,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None, charted: Sequence[Mark]) -> Iterator[Answer]:
-    """Yield the answers of a log in their order; with --smooth only when all of it is known."""
+    """Yield the answers of every N-th scan; with --smooth from all scans, when all of them are known."""
     from navfix import pipeline
     from navfix.integrity import GnssMonitor
     from navfix.sequence.answers import reckoned, smoothed
@@ -90,15 +90,18 @@ def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None, chart
 
     monitor, reckoner = GnssMonitor(), DeadReckoner()
     epochs = pipeline.epochs(log, radar=options.radar(args), charted=charted)
-    forward = (reckoned(answer, reckoner) for answer in _solved(epochs, args, track))
+    solved = _solved(epochs, args, track, every=1 if args.smooth else args.every)
+    forward = (reckoned(answer, reckoner) for answer in solved)
     if not args.smooth:
         yield from (pipeline.watched(answer, monitor) for answer in forward)
         return
-    for answer in smoothed(tuple(forward), radar=options.radar(args), kernel=args.kernel):
+    for answer in smoothed(tuple(forward), radar=options.radar(args), kernel=args.kernel)[:: args.every]:
         yield solving.with_truth(answer, track)
 
 
-def _solved(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Iterator[Answer]:
+def _solved(
+    epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack | None, *, every: int
+) -> Iterator[Answer]:
     """Yield the answer of every N-th scan: by the navigator, or with --independent each scan or window alone."""
     from navfix.sequence.answers import navigated
 
@@ -107,7 +110,7 @@ def _solved(epochs: Iterable[Epoch], args: argparse.Namespace, track: TruthTrack
     kept: deque[Epoch] = deque()
     for count, epoch in enumerate(epochs):
         seen = solving.outlined(solving.as_asked(epoch, args), outlines)
-        wanted = count % args.every == 0
+        wanted = count % every == 0
         if navigator is not None:
             navigator.feed(seen)
             if wanted:

@@ -109,11 +109,13 @@ class Track:
         place = self.place_at(now_s)
         if last is None or last.fix is None:
             return None
+        unknowns = len(last.fix.covariance)
+        covariance = place.covariance[:unknowns, :unknowns]
         fix = replace(
             last.fix,
             position=place.position,
-            covariance=place.covariance,
-            cofactor_matrix=place.covariance,
+            covariance=covariance,
+            cofactor_matrix=covariance / last.fix.sigma0**2,
             association=None,
             observations=(),
             epoch=epoch,

@@ -12,7 +12,7 @@ from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray
-from navfix.units import wrap_360
+from navfix.units import wrap_180, wrap_360
 
 
 def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, epoch: Epoch) -> Fix:
@@ -26,23 +26,26 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
         if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
             continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
-    heading = math.degrees(pose.heading_rad) % 360.0
+    true = window.field.scene.flat.reference == "true"  # then the pose's angle is what the compass is off by
+    angle_deg, unknowns = math.degrees(pose.heading_rad), 2 if true else 3
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
     return Fix(
         position=position_of(window.field.scene.flat, pose.p),
-        heading_deg=heading,
-        covariance=pose.covariance,
+        heading_deg=None if true else wrap_360(angle_deg),
+        covariance=pose.covariance[:unknowns, :unknowns],
         sigma0=1.0,
         redundancy=max(0, len(observations) - 3),
         observations=tuple(observations),
         association=association,
         epoch=epoch,
-        cofactor_matrix=pose.covariance,
+        cofactor_matrix=pose.covariance[:unknowns, :unknowns],
         covariance_scaling="a_priori",
         dof=math.inf,
         kernel="window",
         start="window",
         notes=notes,
+        compass_error_deg=wrap_180(angle_deg) if true else None,
+        compass_error_sigma_deg=math.degrees(math.sqrt(float(pose.covariance[2, 2]))) if true else None,
     )
 
 
