@@ -179,7 +179,7 @@ class MotionPrior:
 
 
 def motion_prior(knot_s: FloatArray, gauge: int, log_area: float, model: WindowModel) -> MotionPrior:
-    """Return the prior of own motion over knots (K,) [s]: eq. (6.15) of the theory."""
+    """Return the prior of own motion over knots (K,) [s]: eq. (6.19) of the theory."""
     count = len(knot_s)
     rows: list[FloatArray] = []
     if count > 1:
