@@ -27,7 +27,7 @@ def refined(
 
     The marginal covariance of the graph trusts the errors that it was told of. On real traffic few tracks carry a
     window and err in ways that nobody stated, so the spread of the pose without one track after the other is added, as
-    it is to the association's own covariance: eq. (6.18) of the theory. Where the adjustment finds no answer, or one
+    it is to the association's own covariance: eq. (6.22) of the theory. Where the adjustment finds no answer, or one
     that the association's ellipse does not reach, the association's fix stands and its notes say so.
 
     Parameters

@@ -30,13 +30,11 @@ def distinct(judged: Judged, model: AssociationModel) -> Judged:
     return judged.take(np.array(kept, dtype=np.int64))
 
 
-def same_answer(judged: Judged, row: int, model: AssociationModel) -> NDArray[np.bool_]:
-    """Tell which poses (k,) are the same optimum as ``row``: near in metres and degrees, or within its own sigmas."""
-    return same_as(judged, row, judged, model)
-
-
 def same_as(judged: Judged, row: int, others: Judged, model: AssociationModel) -> NDArray[np.bool_]:
-    """Tell which of the ``others`` (k,) are the same optimum as a ``row`` of ``judged``."""
+    """Tell which of the ``others`` (k,) are the same optimum as a ``row`` of ``judged``.
+
+    Near in metres and degrees, or within its own sigmas.
+    """
     same: NDArray[np.bool_] = _same(judged.take(np.array([row])), others, model)[0]
     return same
 

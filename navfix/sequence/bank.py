@@ -3,7 +3,7 @@
 A blind solve of a window proposes places; each is then carried along and fitted to windows that share no data. For
 every (track, ship) the mean of its log likelihood ratio over the windows is kept: a constant error is not fresh
 evidence in every scan, and a lost match takes its credit back. The score of a place counts each track and each ship
-once: eq. (8.1) of the theory. What is right stands ahead of every rival after minutes; what is foreign does not.
+once: eq. (14.1) of the theory. What is right stands ahead of every rival after minutes; what is foreign does not.
 """
 
 from __future__ import annotations
@@ -167,7 +167,7 @@ class Bank:
     # ------------------------------------------------------------------------------------------------ the score
 
     def _judge(self, h: Hypothesis, log_area: float) -> tuple[float, int]:
-        """Return the score of a place and how many marks it explains: eq. (8.1)."""
+        """Return the score of a place and how many marks it explains: eq. (14.1)."""
         lives = self._lives.known
         h.pairs = {pair: mean for pair, mean in h.pairs.items() if pair[0] in lives}
         marks = sorted(h.detection.keys() | {mark for _, mark in h.pairs})

@@ -2,7 +2,7 @@
 
 Two tests, and a level. Innovation: the squared distance of a window's pose to the prior from older data, chi-square
 with three degrees of freedom while all is well. Separation: how far the newest blind solve of the same data lies from
-the track. Level: no error beyond separation + K sigma goes unnoticed while the blind solve is right: eq. (8.2).
+the track. Level: no error beyond separation + K sigma goes unnoticed while the blind solve is right: eq. (14.2).
 """
 
 from __future__ import annotations

@@ -28,12 +28,6 @@ class OutageModel:
     probabilities: tuple[float, ...]
     mean_up_s: float
 
-    @property
-    def outage_share(self) -> float:
-        """Share of the time in an outage."""
-        mean_s = sum(length * p for length, p in zip(self.lengths_s, self.probabilities, strict=True))
-        return mean_s / (mean_s + self.mean_up_s)
-
 
 def outage_model(age_min: tuple[float, ...], share_older: tuple[float, ...], *, longest_min: float) -> OutageModel:
     """Return the model that meets a table: ``share_older`` of the stations have no update for ``age_min`` minutes.

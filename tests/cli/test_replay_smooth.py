@@ -18,7 +18,15 @@ Rows = list[dict[str, Any]]
 @pytest.fixture(scope="module")
 def replayed(repository: Path) -> dict[str, Rows]:
     logs = repository / "data" / "logs"
-    argv = ["replay", str(logs / "approach.nmea"), "--truth", str(logs / "approach_truth.csv"), "--every", "6"]
+    argv = [
+        "replay",
+        str(logs / "approach.nmea"),
+        "--truth",
+        str(logs / "approach_truth.csv"),
+        "--every",
+        "6",
+        "--independent",
+    ]
     found = {}
     for name, more in (("alone", []), ("smooth", ["--smooth"])):
         out = StringIO()

@@ -60,7 +60,7 @@ def measure(runs: int, marks: int, noise: float, *, wrong: int = 0) -> Coverage:
 
 def test_both_ways_hold_where_the_sigmas_are_right() -> None:
     for marks in (2, 3, 5):
-        found = measure(400, marks, 1.0)
+        found = measure(200, marks, 1.0)
         print(f"{marks} pairs: {found}")
         assert found.rule >= 0.90
         assert found.prior >= 0.92

@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+import navfix
 from navfix.association import cpd
+from navfix.geodesy import inverse
+from navfix.simulation.scenes import SceneRecipe, make_scene
 
 
 def cloud(seed: int, count: int = 20, spread_m: float = 5000.0) -> np.ndarray:
@@ -74,3 +77,29 @@ def test_a_single_start_fails_beyond_its_basin_and_eight_starts_do_not():
         found, sigma_m = cpd.register_from_all_sides(y * np.exp(1j * turn), y, outlier_share=0.0)
         assert abs(np.angle(found.rotation / np.exp(1j * turn))) < 1e-6
         assert found.sigma_m == sigma_m.min()
+
+
+def solved_by_preset_share(random_share: float, scenes: int = 12, points: int = 20) -> float:
+    """Return the share of clouds that eight starts with w = 0.1 turn right, some of the data being anywhere."""
+    random, right = np.random.default_rng(11), 0
+    for _ in range(scenes):
+        y = 5000.0 * (random.normal(size=points) + 1j * random.normal(size=points))
+        turn = np.exp(2j * np.pi * random.uniform())
+        x = y * turn + 20.0 * (random.normal(size=points) + 1j * random.normal(size=points))
+        anywhere = round(random_share * points)
+        x[:anywhere] = 5000.0 * (random.normal(size=anywhere) + 1j * random.normal(size=anywhere))
+        best, _ = cpd.register_from_all_sides(x, y, outlier_share=0.1)
+        good = slice(anywhere, None)
+        right += np.median(np.abs(best.rotation * y[good] + best.translation - y[good] * turn)) < 200.0
+    return right / scenes
+
+
+def test_a_preset_share_of_outliers_has_a_cliff_and_an_averaged_one_has_none():
+    """The thesis: 10 % preset, failures above some 30 %."""
+    assert solved_by_preset_share(0.3) == 1.0
+    assert solved_by_preset_share(0.5) < 0.5
+    assert solved_by_preset_share(0.7) == 0.0
+    for seed in range(8):
+        made = make_scene(SceneRecipe(60, 40, 12.0, 12.0, clutter=0.6), seed)
+        found = navfix.associate(made.epoch)
+        assert inverse(found.position, made.position)[0] < 300.0

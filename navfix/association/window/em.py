@@ -31,7 +31,7 @@ class Expectation:
 def likelihood_ratio(
     field: WindowField, fit: Fit, clutter: Clutter, level: float, widening: float = 1.0, position_only: bool = False
 ) -> tuple[FloatArray, FloatArray]:
-    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / (lambda_i V_i) (k, m, q), and the weight of the scatter: eq. (6.16)."""
+    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / (lambda_i V_i) (k, m, q), and the weight of the scatter: eq. (6.20)."""
     flat = field.scene.flat
     pd = level * field.flat.detection(flat.range_m[None, :, None], flat.conspicuity[fit.mark])
     log_density, weight = log_fit(field, fit, widening, position_only)

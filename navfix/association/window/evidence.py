@@ -2,7 +2,7 @@
 
 The sum over matchings, the detection and the clutter share are those of one scan; a track counts once, however many
 scans it was seen in. Own motion is integrated over by Laplace's method, under the marks and under the null alike, so
-what own motion merely explains better than the null costs the freedom that it took: eq. (6.17) of the theory.
+what own motion merely explains better than the null costs the freedom that it took: eq. (6.21) of the theory.
 """
 
 from __future__ import annotations

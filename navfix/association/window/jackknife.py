@@ -81,7 +81,7 @@ def _process(field: WindowField) -> FloatArray:
 
 
 def _spread(field: WindowField, knots: Knots, prior: MotionPrior) -> FloatArray:
-    """Return the leave-one-track-out covariance (3, 3) of the pose at the end: eq. (6.18) of the theory."""
+    """Return the leave-one-track-out covariance (3, 3) of the pose at the end: eq. (6.22) of the theory."""
     matched = np.flatnonzero(posterior(field, lay_over(field, knots))[0].max(axis=1, initial=0.0) > 0.2)
     if len(matched) < 2:
         return np.zeros((3, 3))

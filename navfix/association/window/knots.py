@@ -44,12 +44,6 @@ class Knots:
             self.clock_s + step[:, -1],
         )
 
-    def offset_from(self, other: Knots) -> FloatArray:
-        """Return the unknowns (k, 3 K + 1) counted from ``other`` (one motion, or k of them)."""
-        place, turn = self.p - other.p, wrap_pi(self.heading_rad - other.heading_rad)
-        by_knot = np.stack([place.real, place.imag, turn], axis=-1).reshape(len(self), -1)
-        return np.concatenate([by_knot, (self.clock_s - other.clock_s)[:, None]], axis=1)
-
     def vector(self) -> FloatArray:
         """Return the unknowns (k, 3 K + 1)."""
         by_knot = np.stack([self.p.real, self.p.imag, self.heading_rad], axis=-1).reshape(len(self), -1)
@@ -179,7 +173,7 @@ class MotionPrior:
 
 
 def motion_prior(knot_s: FloatArray, gauge: int, log_area: float, model: WindowModel) -> MotionPrior:
-    """Return the prior of own motion over knots (K,) [s]: eq. (6.15) of the theory."""
+    """Return the prior of own motion over knots (K,) [s]: eq. (6.19) of the theory."""
     count = len(knot_s)
     rows: list[FloatArray] = []
     if count > 1:

@@ -2,7 +2,7 @@
 
 The error of a track is a constant, a slope and what is new in each bin. In the basis (mean, straight line, the rest) of
 its own bins the covariance is diagonal: n s_c^2 + s_w^2, S_tt s_s^2 + s_w^2, s_w^2; so a track is judged by its place,
-its velocity and its scatter, each a factor of its own: eq. (6.14) of the theory.
+its velocity and its scatter, each a factor of its own: eq. (6.18) of the theory.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def epoch_time(epoch: Epoch) -> float:
 
 
 def common_yaw(scans: Sequence[dict[str, Report]]) -> FloatArray:
-    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.13) of the theory.
+    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.17) of the theory.
 
     The range-weighted median of the bearing changes of the targets that two successive scans share: a far target's
     bearing changes by own yaw alone.
