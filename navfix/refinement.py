@@ -15,6 +15,7 @@ from navfix.errors import NoFix
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Kernel
 from navfix.types import Epoch, Fix, Position
+from navfix.units import wrap_180
 
 AGREES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
 
@@ -41,18 +42,17 @@ def refined(
     """
     rough = found.fix
     assert isinstance(rough.position, Position)
-    assert rough.heading_deg is not None
+    heading_deg = found.association.heading_deg  # of true bearings only how they are turned: the fix has no heading
+    assert heading_deg is not None
     try:
-        fine = adjust_window(
-            epochs, found.labels, start=(rough.position, rough.heading_deg), radar=radar, kernel=kernel
-        )
+        fine = adjust_window(epochs, found.labels, start=(rough.position, heading_deg), radar=radar, kernel=kernel)
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
     if _misfit_sq(rough, fine) > AGREES:
         return _unrefined(rough, "the adjustment of all scans leads elsewhere")
     return replace(
         fine,
-        covariance=fine.covariance + found.spread,
+        covariance=fine.covariance + found.spread[: len(fine.covariance), : len(fine.covariance)],
         association=found.association,
         notes=(*rough.notes, *fine.notes),
     )
@@ -63,10 +63,12 @@ def _unrefined(rough: Fix, why: str) -> Fix:
 
 
 def _misfit_sq(rough: Fix, fine: Fix) -> float:
-    """Return the squared Mahalanobis distance of a refined fix from the association's."""
+    """Return the squared Mahalanobis distance of a refined fix from the association's; true bearings: of places."""
     assert isinstance(rough.position, Position)
     assert isinstance(fine.position, Position)
     north_m, east_m = LocalPlane(rough.position).to_plane(fine.position)
-    turned_deg = ((fine.heading_deg or 0.0) - (rough.heading_deg or 0.0) + 180.0) % 360.0 - 180.0
-    step = np.array([north_m, east_m, math.radians(turned_deg)])
-    return float(step @ np.linalg.solve(rough.covariance, step))
+    if fine.heading_deg is None or rough.heading_deg is None:
+        step = np.array([north_m, east_m])
+    else:
+        step = np.array([north_m, east_m, math.radians(wrap_180(fine.heading_deg - rough.heading_deg))])
+    return float(step @ np.linalg.solve(rough.covariance[: len(step), : len(step)], step))

@@ -16,7 +16,10 @@ from navfix.units import wrap_360
 
 
 def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, epoch: Epoch) -> Fix:
-    """Return the fix of one answer at the newest epoch; residuals are the means of the tracks over the window."""
+    """Return the fix of one answer at the newest epoch; residuals are the means of the tracks over the window.
+
+    True bearings say nothing of own heading: what they are turned by is not given out as one.
+    """
     window = found.window
     answers = found.answers.take(np.array([row]))
     matched = pairs.one_to_one(window.field, answers.knots)
@@ -26,18 +29,20 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
         if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
             continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
-    heading = math.degrees(pose.heading_rad) % 360.0
+    knows_heading = scene.flat.reference == "relative"
+    heading_deg = math.degrees(pose.heading_rad) % 360.0 if knows_heading else None
+    covariance = pose.covariance if knows_heading else pose.covariance[:2, :2]
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
     return Fix(
         position=position_of(window.field.scene.flat, pose.p),
-        heading_deg=heading,
-        covariance=pose.covariance,
+        heading_deg=heading_deg,
+        covariance=covariance,
         sigma0=1.0,
         redundancy=max(0, len(observations) - 3),
         observations=tuple(observations),
         association=association,
         epoch=epoch,
-        cofactor_matrix=pose.covariance,
+        cofactor_matrix=covariance,
         covariance_scaling="a_priori",
         dof=math.inf,
         kernel="window",
