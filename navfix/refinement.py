@@ -42,12 +42,13 @@ def refined(
     """
     rough = found.fix
     assert isinstance(rough.position, Position)
+    heading_deg = found.association.heading_deg  # of true bearings only how they are turned: the fix has no heading
+    assert heading_deg is not None
     try:
-        start = (rough.position, rough.heading_deg or 0.0)
-        fine = adjust_window(epochs, found.labels, start=start, radar=radar, kernel=kernel)
+        fine = adjust_window(epochs, found.labels, start=(rough.position, heading_deg), radar=radar, kernel=kernel)
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
-    if len(fine.covariance) != len(rough.covariance) or _misfit_sq(rough, fine) > AGREES:
+    if _misfit_sq(rough, fine) > AGREES:
         return _unrefined(rough, "the adjustment of all scans leads elsewhere")
     unknowns = len(fine.covariance)
     covariance = fine.covariance + found.spread[:unknowns, :unknowns]
@@ -65,10 +66,12 @@ def _unrefined(rough: Fix, why: str) -> Fix:
 
 
 def _misfit_sq(rough: Fix, fine: Fix) -> float:
-    """Return the squared Mahalanobis distance of a refined fix from the association's."""
+    """Return the squared Mahalanobis distance of a refined fix from the association's; true bearings: of places."""
     assert isinstance(rough.position, Position)
     assert isinstance(fine.position, Position)
     north_m, east_m = LocalPlane(rough.position).to_plane(fine.position)
-    turned_deg = wrap_180((fine.heading_deg or 0.0) - (rough.heading_deg or 0.0))
-    step = np.array([north_m, east_m, math.radians(turned_deg)])[: len(rough.covariance)]
-    return float(step @ np.linalg.solve(rough.covariance, step))
+    if fine.heading_deg is None or rough.heading_deg is None:
+        step = np.array([north_m, east_m])
+    else:
+        step = np.array([north_m, east_m, math.radians(wrap_180(fine.heading_deg - rough.heading_deg))])
+    return float(step @ np.linalg.solve(rough.covariance[: len(step), : len(step)], step))

@@ -50,6 +50,7 @@ class NavigatorModel:
     fewest_marks: int
     lost_m: float
     apart_m: float
+    apart_deg: float
     lapse_evidence: float
     lapse_memory_s: float
     back_evidence: float

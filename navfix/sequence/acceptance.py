@@ -47,10 +47,9 @@ class Acceptance:
         while blind.end_s - self._blind[0].end_s > self._model.memory_s:
             self._blind.popleft()
 
-    @property
-    def newest(self) -> Blind | None:
-        """The newest blind solve."""
-        return self._blind[-1] if self._blind else None
+    def ended_at(self, now_s: float) -> list[Blind]:
+        """Return the blind solves of all lengths whose data end now."""
+        return [blind for blind in self._blind if blind.end_s == now_s]
 
     def plain(self, blind: Blind) -> bool:
         """Tell whether a blind solve leaves no doubt: so many marks agree that nothing else needs to be known."""

@@ -32,10 +32,11 @@ LOG_VOLUME = 1.5 * math.log(2.0 * math.pi)
 
 @dataclass(slots=True)
 class Mean:
-    """A running mean."""
+    """A running mean; ``last_s`` is when something was added last [POSIX s]."""
 
     total: float = 0.0
     count: int = 0
+    last_s: float = -math.inf
 
     def add(self, value: float) -> None:
         """Take one value in."""
@@ -96,21 +97,24 @@ class Bank:
             self._bear(found, now_s)
         log_area = window.prior.log_area
         for h in self.hypotheses:
+            self._forget(h, now_s)
             h.score, h.marks = self._judge(h, log_area)
         self._prune()
 
     def near(self, place: Place) -> Hypothesis | None:
         """Return the best hypothesis at a place, None where there is none."""
+        model = self._model
         near = [
             h
             for h in self.hypotheses
-            if h.place.carried(place.time_s, self._model).distance_m(place) <= self._model.same_m
+            if not h.place.carried(place.time_s, model).differs(place, model.same_m, model.apart_deg)
         ]
         return max(near, key=lambda h: h.score, default=None)
 
     def rival_ahead(self, of: Hypothesis) -> float:
         """Return by how many nats ``of`` is ahead of the best other one (negative where it is behind)."""
-        others = [h.score for h in self.hypotheses if of.place.distance_m(h.place) > self._model.same_m]
+        model = self._model
+        others = [h.score for h in self.hypotheses if h.place.differs(of.place, model.same_m, model.apart_deg)]
         return of.score - max(others) if others else math.inf
 
     # ------------------------------------------------------------------------------------------------ one window
@@ -151,6 +155,7 @@ class Bank:
         detection = _detection(window.field, knots)
         motion = _motion(window, knots)
         alive = set(lives)
+        now_s = window.field.scene.middle_s + window.field.scene.end_s
         for k, h in enumerate(hypotheses):
             h.windows += 1
             h.motion.add(float(motion[k]))
@@ -162,14 +167,21 @@ class Bank:
                 if pair[0] in alive:
                     h.pairs.setdefault(pair, Mean()).add(seen.get(pair, LOST))
             for j in np.flatnonzero(detection[k]):
-                h.detection.setdefault(labels[j], Mean()).add(float(detection[k, j]))
+                mean = h.detection.setdefault(labels[j], Mean())
+                mean.add(float(detection[k, j]))
+                mean.last_s = max(mean.last_s, now_s)
 
     # ------------------------------------------------------------------------------------------------ the score
+
+    def _forget(self, h: Hypothesis, now_s: float) -> None:
+        """Forget tracks and ships alike not seen for long: else a ship left behind is missed for ever."""
+        lives = self._lives.known
+        h.pairs = {pair: mean for pair, mean in h.pairs.items() if pair[0] in lives}
+        h.detection = {m: mean for m, mean in h.detection.items() if now_s - mean.last_s <= self._model.memory_s}
 
     def _judge(self, h: Hypothesis, log_area: float) -> tuple[float, int]:
         """Return the score of a place and how many marks it explains: eq. (14.1)."""
         lives = self._lives.known
-        h.pairs = {pair: mean for pair, mean in h.pairs.items() if pair[0] in lives}
         marks = sorted(h.detection.keys() | {mark for _, mark in h.pairs})
         column = {mark: j for j, mark in enumerate(marks)}
         row = {life: i for i, life in enumerate(sorted(lives))}

@@ -32,7 +32,11 @@ class Lives:
         """Take a window in: its tracks continue lives or begin new ones; what was not seen for long is forgotten."""
         self.of(window)
         for label, lives in list(self._by_label.items()):
-            self._by_label[label] = [life for life in lives if now_s - life.last_s <= self._memory_s]
+            kept = [life for life in lives if now_s - life.last_s <= self._memory_s]
+            if kept:
+                self._by_label[label] = kept
+            else:
+                del self._by_label[label]
 
     def of(self, window: Window) -> list[int]:
         """Return the life of every track of a window."""

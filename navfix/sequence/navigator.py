@@ -159,14 +159,18 @@ class Navigator:
         """Accept, keep or give up a place."""
         if self._last_bank_s == now_s or self._last_cold_s == now_s:
             self._believed = self._acceptance.accepted(self._bank)
-        believed = self._believed
+        believed = self._believed = [
+            h for h in self._believed if h.place.carried(now_s, self._model).sigma_m <= self._model.lost_m
+        ]  # what was believed before a gap is nowhere after it
+        if self._track is not None:
+            self._track.lose_at(now_s)
         if self._track is not None and self._track.given_up:
             self._reason, self._track = self._track.given_up, None
         if self._track is None:
             self._accept(believed, now_s)
             return
         place = self._track.place_at(now_s)
-        others = [h for h in believed if h.place.carried(now_s, self._model).distance_m(place) > self._model.apart_m]
+        others = self._elsewhere(place, now_s)
         if others or self._contradicted(now_s, place):
             hold_s = self._model.conflict_hold_s if self._track.proven else 0.0
             self._track = None
@@ -177,19 +181,30 @@ class Navigator:
 
     def _contradicted(self, now_s: float, place: Place) -> bool:
         """Tell whether a blind solve of now is sure of another place, or the bank holds another far ahead of this."""
-        model, blind = self._model, self._acceptance.newest
-        if blind is not None and blind.end_s == now_s and self._acceptance.sure(blind):
-            return place.distance_m(blind.place) > model.apart_m
+        model = self._model
+        sure = [blind for blind in self._acceptance.ended_at(now_s) if self._acceptance.sure(blind)]
+        if any(place.differs(blind.place, model.apart_m, model.apart_deg) for blind in sure):
+            return True
         if self._last_bank_s != now_s or not self._bank.hypotheses:
             return False
         best, here = self._bank.hypotheses[0], self._bank.near(place)
         behind = best.score - here.score if here is not None else math.inf
         return best.score > model.least_score + model.give_up_behind and behind > model.give_up_behind
 
+    def _elsewhere(self, place: Place, now_s: float) -> list[Hypothesis]:
+        """Return the believed places that are not this one."""
+        model = self._model
+        return [
+            h for h in self._believed if h.place.carried(now_s, model).differs(place, model.apart_m, model.apart_deg)
+        ]
+
     def _accept(self, believed: list[Hypothesis], now_s: float) -> None:
         if now_s < self._conflict_until_s:
             return
         if self._plain is not None and self._plain.end_s == now_s:
+            if self._elsewhere(self._plain.place, now_s):
+                self._reason = "conflict: one window leaves no doubt, and minutes speak for another place"
+                return
             self._track = Track(self._plain.place, self._model, now_s)
             return
         if len(believed) == 1:

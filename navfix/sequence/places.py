@@ -50,6 +50,10 @@ class Place:
         """Return how far the heading of another place of the same instant lies [deg], >= 0."""
         return abs(wrap_180(other.heading_deg - self.heading_deg))
 
+    def differs(self, other: Place, apart_m: float, apart_deg: float) -> bool:
+        """Tell whether another place of the same instant is another answer: elsewhere, or turned."""
+        return self.distance_m(other) > apart_m or self.turn_deg(other) > apart_deg
+
     @cached_property
     def _point(self) -> tuple[float, ...]:
         """Earth-centred coordinates [m]: a chord is 0.1 m short at 40 km, and quick."""

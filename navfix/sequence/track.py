@@ -49,17 +49,22 @@ class Track:
         self.last: Held | None = None
 
     @property
-    def probability_wrong(self) -> float:
-        """At most so likely is the place wrong, by the negative controls."""
-        return self._model.least_probability_wrong
+    def probability_wrong(self) -> float | None:
+        """At most so likely is a place wrong that is given out, by the negative controls; None for any other."""
+        return self._model.least_probability_wrong if self.proven and not self.lapsed and not self.given_up else None
 
     def place_at(self, time_s: float) -> Place:
         """Return the newest place, carried to an instant."""
         return self._history[-1].carried(time_s, self._model)
 
+    def lose_at(self, now_s: float) -> None:
+        """Give up a place that went unseen for so long that it may be anywhere: any echo would fit some ship."""
+        if not self.given_up:
+            self.given_up = _why_lost(self.place_at(now_s), self._model)
+
     def agrees(self, place: Place) -> bool:
-        """Tell whether another place of now is this one."""
-        return self.place_at(place.time_s).distance_m(place) <= self._model.apart_m
+        """Tell whether another place of now is this one, and lies the same way round."""
+        return not self.place_at(place.time_s).differs(place, self._model.apart_m, self._model.apart_deg)
 
     def prior_for(self, begin_s: float) -> Place:
         """Return the newest place whose data are all older than ``begin_s``, or the oldest there is."""
@@ -70,7 +75,13 @@ class Track:
         """Return which answer of a blind solve lies at this place, None where none does."""
         here = self.place_at(now_s)
         places = places_of(found.window, found.answers.knots, found.answers.information)
-        return next((row for row, place in enumerate(places) if here.distance_m(place) <= self._model.same_m), None)
+        model, marks = self._model, found.answers.marks
+        fits = [
+            row
+            for row, place in enumerate(places)
+            if marks[row] >= model.fewest_marks and not here.differs(place, model.same_m, model.apart_deg)
+        ]
+        return fits[0] if fits else None
 
     def take_blind(self, found: Joint, epoch: Epoch, now_s: float, row: int = 0) -> Held:
         """Take a blind answer at this place as the fix, its scans adjusted as one graph.
@@ -109,8 +120,8 @@ class Track:
         place = self.place_at(now_s)
         if last is None or last.fix is None:
             return None
-        unknowns = len(last.fix.covariance)
-        covariance = place.covariance[:unknowns, :unknowns]
+        size = len(last.fix.covariance)
+        covariance = last.fix.covariance + (place.covariance - last.place.covariance)[:size, :size]
         fix = replace(
             last.fix,
             position=place.position,
@@ -131,8 +142,7 @@ class Track:
         self._history.append(held.place)
         while len(self._history) > 1 and now_s - self._history[1].time_s > self._model.window_s + 5.0:
             self._history.popleft()
-        if held.place.sigma_m > self._model.lost_m:
-            self.given_up = f"lost: the place is uncertain by {held.place.sigma_m:.0f} m (1 sigma)"
+        self.given_up = _why_lost(held.place, self._model)
         if self.protection.surprised:
             self.given_up = "given up: three windows in a row lay far from where the track said that they would"
         self._watch(held.evidence, now_s)
@@ -166,6 +176,11 @@ def _place(window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
         pose.velocity,
         pose.formal,
     )
+
+
+def _why_lost(place: Place, model: NavigatorModel) -> str:
+    sigma_m = place.sigma_m
+    return f"lost: the place is uncertain by {sigma_m:.0f} m (1 sigma)" if sigma_m > model.lost_m else ""
 
 
 def _log_prior_area(model: NavigatorModel) -> float:

@@ -14,7 +14,8 @@ class TrackState:
 
     ``innovation`` squared distance of the newest window to its prior (chi-square, 3 degrees of freedom).
     ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
-    conflict: two places are believed, none is given out. ``probability_wrong`` is at most this (None without a place);
+    conflict: two places are believed, none is given out. ``probability_wrong`` of what is given out is at most
+    this, the same figure for every place (None without a place, with an unproven or a lapsed one);
     ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every
     other; ``since_s`` how long the place has been held; ``source`` "blind" or "prior": whether the newest fix needed
     the track.

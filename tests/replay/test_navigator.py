@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from datetime import timedelta
 from functools import cache
 from pathlib import Path
 
@@ -128,6 +129,42 @@ def test_a_swap_of_target_numbers_leaves_the_place_where_it_is():
     outcomes = navigate(changed_from(recorded("approach")[:48], 26, swap))
     assert errors_m(outcomes).max() <= 150.0
     assert np.mean([outcome.fix is not None for _, outcome in outcomes[6:]]) >= 0.8
+
+
+def later(epoch: Epoch, by: timedelta) -> Epoch:
+    def moved(record):
+        return record if record.time_utc is None else replace(record, time_utc=record.time_utc + by)
+
+    return replace(
+        moved(epoch), targets=tuple(moved(t) for t in epoch.targets), marks=tuple(moved(m) for m in epoch.marks)
+    )
+
+
+def test_a_place_that_went_unseen_for_an_hour_is_lost_and_not_looked_for_where_it_would_be():
+    scans = recorded("approach")[:18]
+    navigator = Navigator()
+    assert navigate(scans[:13], navigator)[-1][1].fix is not None
+    outcome = navigate([later(epoch, timedelta(hours=1)) for epoch in scans[13:14]], navigator)[0][1]
+    assert outcome.fix is None
+    assert outcome.track.status == "cold"
+
+
+def test_true_bearings_give_a_place_and_no_heading():
+    def turned(epoch: Epoch) -> Epoch:
+        heading_deg = truth("approach").at(epoch.time_utc.timestamp()).heading_deg
+        return replace(
+            epoch,
+            targets=tuple(
+                replace(t, bearing_reference="true", bearing_deg=(t.bearing_deg + heading_deg) % 360.0)
+                for t in epoch.targets
+            ),
+        )
+
+    outcomes = navigate([turned(epoch) for epoch in recorded("approach")[:20]])
+    fixes = [outcome.fix for _, outcome in outcomes if outcome.fix is not None]
+    assert len(fixes) >= 2
+    assert errors_m(outcomes).max() <= 120.0
+    assert all(fix.heading_deg is None and fix.covariance.shape == (2, 2) for fix in fixes)
 
 
 def test_a_gyro_that_is_90_deg_off_is_found_out_and_moves_nothing():

@@ -16,7 +16,10 @@ from navfix.units import wrap_180, wrap_360
 
 
 def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, epoch: Epoch) -> Fix:
-    """Return the fix of one answer at the newest epoch; residuals are the means of the tracks over the window."""
+    """Return the fix of one answer at the newest epoch; residuals are the means of the tracks over the window.
+
+    True bearings say nothing of own heading: what they are turned by is not given out as one.
+    """
     window = found.window
     answers = found.answers.take(np.array([row]))
     matched = pairs.one_to_one(window.field, answers.knots)
@@ -26,7 +29,7 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
         if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
             continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
-    true = window.field.scene.flat.reference == "true"  # then the pose's angle is what the compass is off by
+    true = scene.flat.reference == "true"  # then the pose's angle is what the compass is off by
     angle_deg, unknowns = math.degrees(pose.heading_rad), 2 if true else 3
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
     return Fix(
