@@ -58,7 +58,6 @@ class Hypothesis:
     """
 
     place: Place
-    born_s: float
     pairs: dict[tuple[int, str], Mean] = field(default_factory=dict)
     detection: dict[str, Mean] = field(default_factory=dict)
     strayed: float = 0.0
@@ -94,7 +93,7 @@ class Bank:
             for h in self.hypotheses:
                 h.place = h.place.carried(now_s, self._model)
         for found in births:
-            self._bear(found, now_s)
+            self._bear(found)
         log_area = window.prior.log_area
         for h in self.hypotheses:
             self._forget(h, now_s)
@@ -132,7 +131,7 @@ class Bank:
         ):
             h.place, h.evidence, h.strayed = place, evidence, fading * h.strayed + debt
 
-    def _bear(self, found: Joint, now_s: float) -> None:
+    def _bear(self, found: Joint) -> None:
         """Add the answers of a blind solve at places where there is no hypothesis yet."""
         rows = np.flatnonzero((found.answers.evidence > -self._model.birth_deficit) & (found.answers.marks >= 2))
         rows = rows[: self._model.births]
@@ -143,7 +142,7 @@ class Bank:
         for place, evidence in zip(
             places_of(found.window, answers.knots, answers.information), answers.evidence, strict=True
         ):
-            born.append(Hypothesis(place, now_s, evidence=float(evidence)))
+            born.append(Hypothesis(place, evidence=float(evidence)))
         self._credit(born, Joint(found.window, answers))
         self.hypotheses += [h for h in born if not any(self._same(h.place, k.place) for k in self.hypotheses)]
 
