@@ -25,7 +25,6 @@ def replayed(repository: Path) -> dict[str, Rows]:
         str(logs / "approach_truth.csv"),
         "--every",
         "6",
-        "--independent",
     ]
     found = {}
     for name, more in (("alone", []), ("smooth", ["--smooth"])):
