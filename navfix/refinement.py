@@ -27,7 +27,8 @@ def refined(
     The marginal covariance of the graph trusts the errors that it was told of. On real traffic few tracks carry a
     window and err in ways that nobody stated, so the spread of the pose without one track after the other is added, as
     it is to the association's own covariance: eq. (6.18) of the theory. Where the adjustment finds no answer, or one
-    that the association's ellipse does not reach, the association's fix stands and its notes say so.
+    that the association's ellipse does not reach, the association's fix stands and its notes say so. Where all
+    bearings are true neither has a heading, and their covariances are (2, 2).
 
     Parameters
     ----------
@@ -41,18 +42,19 @@ def refined(
     """
     rough = found.fix
     assert isinstance(rough.position, Position)
-    assert rough.heading_deg is not None
     try:
         fine = adjust_window(
-            epochs, found.labels, start=(rough.position, rough.heading_deg), radar=radar, kernel=kernel
+            epochs, found.labels, start=(rough.position, rough.heading_deg or 0.0), radar=radar, kernel=kernel
         )
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
+    if len(rough.covariance) != len(fine.covariance):
+        return _unrefined(rough, "in the adjustment of all scans bearings of the other reference take part")
     if _misfit_sq(rough, fine) > AGREES:
         return _unrefined(rough, "the adjustment of all scans leads elsewhere")
     return replace(
         fine,
-        covariance=fine.covariance + found.spread,
+        covariance=fine.covariance + found.spread[: len(fine.covariance), : len(fine.covariance)],
         association=found.association,
         notes=(*rough.notes, *fine.notes),
     )
@@ -68,5 +70,5 @@ def _misfit_sq(rough: Fix, fine: Fix) -> float:
     assert isinstance(fine.position, Position)
     north_m, east_m = LocalPlane(rough.position).to_plane(fine.position)
     turned_deg = ((fine.heading_deg or 0.0) - (rough.heading_deg or 0.0) + 180.0) % 360.0 - 180.0
-    step = np.array([north_m, east_m, math.radians(turned_deg)])
+    step = np.array([north_m, east_m, math.radians(turned_deg)])[: len(rough.covariance)]
     return float(step @ np.linalg.solve(rough.covariance, step))

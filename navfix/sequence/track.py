@@ -109,11 +109,13 @@ class Track:
         place = self.place_at(now_s)
         if last is None or last.fix is None:
             return None
+        size = len(last.fix.covariance)  # 2 where all bearings are true: no heading
+        covariance = place.covariance[:size, :size]
         fix = replace(
             last.fix,
             position=place.position,
-            covariance=place.covariance,
-            cofactor_matrix=place.covariance,
+            covariance=covariance,
+            cofactor_matrix=covariance,
             association=None,
             observations=(),
             epoch=epoch,

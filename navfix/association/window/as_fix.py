@@ -12,7 +12,7 @@ from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray
-from navfix.units import wrap_360
+from navfix.units import wrap_180, wrap_360
 
 
 def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, epoch: Epoch) -> Fix:
@@ -26,22 +26,26 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
         if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
             continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
-    heading = math.degrees(pose.heading_rad) % 360.0
+    turned_deg = math.degrees(pose.heading_rad)
+    true = scene.flat.reference == "true"  # then the turn of the picture is the compass error, and no heading
+    covariance = pose.covariance[:2, :2] if true else pose.covariance
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
     return Fix(
         position=position_of(window.field.scene.flat, pose.p),
-        heading_deg=heading,
-        covariance=pose.covariance,
+        heading_deg=None if true else turned_deg % 360.0,
+        covariance=covariance,
         sigma0=1.0,
         redundancy=max(0, len(observations) - 3),
         observations=tuple(observations),
         association=association,
         epoch=epoch,
-        cofactor_matrix=pose.covariance,
+        cofactor_matrix=covariance,
         covariance_scaling="a_priori",
         dof=math.inf,
         kernel="window",
         start="window",
+        compass_error_deg=float(wrap_180(turned_deg)) if true else None,
+        compass_error_sigma_deg=math.degrees(math.sqrt(pose.covariance[2, 2])) if true else None,
         notes=notes,
     )
 
