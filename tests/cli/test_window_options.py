@@ -60,3 +60,18 @@ def test_independent_windows_and_scans_carry_no_track(approach: str, capsys: pyt
         lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
         assert all(line["track"] is None for line in lines)
         assert lines[-1]["status"] == "fix"
+
+
+@pytest.mark.parametrize("command", [["fix", "--json", "--window", "60"], ["replay"]])
+def test_where_all_bearings_are_true_a_window_has_a_place_a_compass_error_and_no_heading(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "channel.nmea"
+    assert main(["simulate", "buoyed_channel", "--duration", "60", "--out", str(log)]) == 0
+    capsys.readouterr()
+    assert main([*command, str(log), "--truth", str(tmp_path / "channel_truth.csv")]) == 0
+    content = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert content["status"] == "fix"
+    assert content["heading_deg"] is None
+    assert len(content["covariance"]) == 2
+    assert content["truth"]["distance_m"] <= 60.0
