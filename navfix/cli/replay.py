@@ -112,6 +112,8 @@ def _solved(
         seen = solving.outlined(solving.as_asked(epoch, args), outlines)
         wanted = count % every == 0
         if navigator is not None:
+            if not navigator.follows(seen):  # another recording begins in the same log: what was known does not hold
+                navigator = _navigator(args)
             navigator.feed(seen)
             if wanted:
                 yield solving.finish(navigated(navigator, seen), args, track)

@@ -64,6 +64,10 @@ class Navigator:
         """
         self._track = Track(place, self._model, place.time_s, proven=False)
 
+    def follows(self, epoch: Epoch) -> bool:
+        """Tell whether an epoch is no earlier than the newest: an earlier one is of another recording."""
+        return not self._epochs or epoch_time(epoch) >= epoch_time(self._epochs[-1])
+
     def feed(self, epoch: Epoch) -> None:
         """Take one epoch in.
 
@@ -74,7 +78,7 @@ class Navigator:
         if epoch.time_utc is None:
             raise InputError("the navigator needs the time of every epoch; this one has none")
         now_s = epoch_time(epoch)
-        if self._epochs and now_s < epoch_time(self._epochs[-1]):
+        if not self.follows(epoch):
             raise InputError(
                 f"epoch of {epoch.time_utc:%H:%M:%S.%f} fed after one of {self._epochs[-1].time_utc:%H:%M:%S.%f}: "
                 "epochs must come in the order of time; begin a new navigator for another log"

@@ -108,10 +108,12 @@ class Track:
         self.protection.note_innovation(float(known.pose_misfit_sq(answers.knots)[0]))
         pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
         answer = associate.window_answer(found, pose)
+        # Nothing but this place was looked at: there is no margin, and of being wrong only what is known of the track.
+        association = replace(answer.association, margin=None, probability_wrong=self.probability_wrong)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = answer.fix if enough else None
+        fix = replace(answer.fix, association=association) if enough else None
         return self._take(
-            Held(_place(window, pose, now_s), fix, answer.association, float(answers.evidence[0]), "prior"), now_s
+            Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
 
     def carry(self, epoch: Epoch, now_s: float) -> Held | None:

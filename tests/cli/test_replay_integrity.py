@@ -83,3 +83,15 @@ def test_the_log_itself_is_never_overwritten_by_the_veracity(approach: Path, tmp
     log.write_bytes(approach.read_bytes())
     assert main(["replay", str(log), "--veracity", str(log)]) == 2
     assert log.read_bytes() == approach.read_bytes()
+
+
+def test_a_second_recording_that_is_earlier_begins_anew_and_ends_nothing(
+    approach: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    lines = approach.read_text(encoding="utf-8").splitlines()
+    eighth = len(lines) // 8
+    log = tmp_path / "two.nmea"
+    log.write_text("\n".join([*lines[-eighth:], *lines[:eighth]]) + "\n", encoding="utf-8")
+    main(["replay", str(log), "--every", "8"])
+    times = [json.loads(line)["time_utc"] for line in capsys.readouterr().out.splitlines()]
+    assert times != sorted(times)

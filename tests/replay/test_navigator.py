@@ -71,6 +71,8 @@ def test_busy_traffic_gives_a_place_within_seconds_and_it_is_held():
     assert np.median(errors_m(outcomes)) <= 30.0
     assert errors_m(outcomes).max() <= 120.0
     assert all(o.track.probability_wrong >= 0.01 for _, o in outcomes if o.fix is not None)
+    with_prior = [o.association for _, o in outcomes if o.fix is not None and o.track.source == "prior"]
+    assert all(a is None or a.margin is None for a in with_prior)  # no other place was looked for
 
 
 def test_a_restart_finds_the_place_again():
@@ -205,6 +207,8 @@ def test_epochs_come_in_the_order_of_time():
     scans = recorded("approach")
     navigator = Navigator()
     navigator.feed(scans[3])
+    assert navigator.follows(scans[4])
+    assert not navigator.follows(scans[0])
     with pytest.raises(InputError, match="order of time"):
         navigator.feed(scans[0])
     with pytest.raises(InputError, match="time of every epoch"):
