@@ -127,6 +127,7 @@ class Track:
         fix = replace(
             last.fix,
             position=place.position,
+            heading_deg=None if last.fix.heading_deg is None else place.heading_deg,
             covariance=covariance,
             cofactor_matrix=covariance / last.fix.sigma0**2,
             association=None,

@@ -63,6 +63,7 @@ def fix_of(
     if whole:
         epoch = _epoch_with_marks(epoch, sightings)
     used = sum(o.weight > 0.0 for o in observations)
+    compass_deg = _compass_error_deg(window, found) if np.any(window.seen.is_true) else (None, None)
     return Fix(
         position=position,
         heading_deg=heading_deg,
@@ -80,6 +81,8 @@ def fix_of(
         integrity=Integrity(r95_m=radius_of_probability(covariance[:2, :2], 0.95, dof=dof)),
         start="window",
         notes=_notes(window, found, solver, at),
+        compass_error_deg=compass_deg[0],
+        compass_error_sigma_deg=compass_deg[1],
     )
 
 
@@ -202,18 +205,29 @@ def _notes(window: Window, found: Judged, solver: str, at: int) -> tuple[str, ..
     return tuple(said)
 
 
+def _shared_errors(window: Window, found: Judged) -> tuple[FloatArray, FloatArray]:
+    """Return what all sightings share (5,) with 1 sigma (5,): clock [s], range bias [m], compass [rad], current."""
+    first = found.damper.plan.layout.shared
+    at, spread = slice(first, first + 5), window.global_sigma
+    value: FloatArray = spread * found.descended.state[at]
+    sigma: FloatArray = spread * np.sqrt(np.diagonal(found.cofactor[at, at]))
+    return value, sigma
+
+
+def _compass_error_deg(window: Window, found: Judged) -> tuple[float, float]:
+    """Return what must be added to the true bearings, and its 1 sigma [deg]."""
+    value, sigma = _shared_errors(window, found)
+    return math.degrees(float(value[COMPASS])), math.degrees(float(sigma[COMPASS]))
+
+
 def _globals(window: Window, found: Judged) -> list[str]:
-    layout, state = found.damper.plan.layout, found.descended.state
-    spread = window.global_sigma
-    value = spread * state[layout.shared : layout.shared + 5]
-    at = slice(layout.shared, layout.shared + 5)
-    sigma = spread * np.sqrt(np.diagonal(found.cofactor[at, at]))
+    value, sigma = _shared_errors(window, found)
     said = [
         f"radar clock offset {value[CLOCK]:+.2f} s +- {sigma[CLOCK]:.2f}, "
         f"range bias {value[RANGE_BIAS]:+.0f} m +- {sigma[RANGE_BIAS]:.0f} (1 sigma)"
     ]
     if np.any(window.seen.is_true):
-        error, spread_deg = math.degrees(value[COMPASS]), math.degrees(sigma[COMPASS])
+        error, spread_deg = _compass_error_deg(window, found)
         said.append(f"compass error {error:+.2f} deg +- {spread_deg:.2f} (1 sigma), to be added to the true bearings")
     if np.any(logged(window)):
         word = "current" if np.any(window.own.through_water) else "drift of the log"
