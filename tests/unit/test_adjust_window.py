@@ -170,6 +170,9 @@ def test_true_bearings_give_a_position_and_the_error_of_the_compass() -> None:
     assert fix.covariance.shape == (2, 2)
     error = p.error(fix.position)
     assert error @ np.linalg.solve(fix.covariance, error) < 16.0
+    assert fix.compass_error_deg is not None
+    assert fix.compass_error_sigma_deg is not None
+    assert abs(fix.compass_error_deg) < 4.0 * fix.compass_error_sigma_deg
     assert any("compass error" in note for note in fix.notes)
 
 
