@@ -92,7 +92,7 @@ def centres(polar: FloatArray, heading_deg: float) -> dict[str, FloatArray | Non
     assert chosen is not None
     known = fit_known_ellipse(points, LENGTH_M, BEAM_M, heading_deg)
     return {
-        "conic of the source": plain_conic(points),
+        "source's conic": plain_conic(points),
         "ellipse": None if fitted is None else np.array([fitted.north_m, fitted.east_m]),
         "ellipse or extent": to_plane(np.array([[chosen.range_m, chosen.bearing_deg]]))[0],
         "known hull": np.array([known.north_m, known.east_m]),
