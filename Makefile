@@ -27,12 +27,15 @@ help:
 demo: $(VENV)/.installed
 	$(BIN)/navfix demo
 
+# Counting lines doubles the time of what computes long: the Monte Carlo runs and replays go without.
 test: $(VENV)/.test
 	$(BIN)/python -m ruff format --check .
 	$(BIN)/python -m ruff check .
 	$(BIN)/python -m mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest -n 2 -m "not study" --cov=navfix --cov-report=term:skip-covered
+	$(BIN)/python -m pytest -n 2 -m "not study" tests/montecarlo tests/replay
+	$(BIN)/python -m pytest -n 2 -m "not study" --cov=navfix --cov-report=term:skip-covered \
+		--ignore=tests/montecarlo --ignore=tests/replay
 
 # pytest ends with 5 where nothing is marked: not an error here.
 bench: $(VENV)/.dev

@@ -23,7 +23,7 @@ def place(lat_deg: float = 54.0, heading_deg: float = 0.0, sigma_m: float = 20.0
 
 
 def hypothesis(at: Place, score: float) -> Hypothesis:
-    return Hypothesis(at, NOW_S, score=score)
+    return Hypothesis(at, score=score)
 
 
 def test_the_same_place_found_the_wrong_way_round_is_a_rival():
