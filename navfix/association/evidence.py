@@ -45,7 +45,8 @@ class Matches:
     """The likelihood ratios of many poses that are not negligible (e of them), in the order of poses and targets.
 
     ``pose``, ``target``, ``mark`` (e,) indices; ``ratio`` (e,) N_ij / lambda_i; ``seen`` (e,) the detection
-    probability at level 1; ``distance_sq`` (e,) squared Mahalanobis distances.
+    probability at level 1; ``distance_sq`` (e,) squared Mahalanobis distances; ``log_told`` (e,) what speed and length
+    have added to ln ``ratio``, None where they say nothing.
     """
 
     pose: IntArray
@@ -54,6 +55,7 @@ class Matches:
     ratio: FloatArray
     seen: FloatArray
     distance_sq: FloatArray
+    log_told: FloatArray | None = None
 
     @classmethod
     def of(cls, field: Field, fit: Fit) -> Matches:
@@ -62,13 +64,19 @@ class Matches:
         most = max(field.model.detection_level)
         pose, target, near = np.nonzero(ratio > NEGLIGIBLE * (1.0 - most) / most)
         at = (pose, target, near)
-        return cls(pose, target, fit.mark[at], ratio[at], seen[at], fit.distance_sq[at])
+        told = None if field.log_pair_ratio is None else field.log_pair_ratio[target, fit.mark[at]]
+        return cls(pose, target, fit.mark[at], ratio[at], seen[at], fit.distance_sq[at], told)
 
     def at_levels(self, levels: FloatArray) -> FloatArray:
         """Return w_ij (levels, e) of eq. (6.4)."""
         pd = levels[:, None] * self.seen
         ratios: FloatArray = pd / (1.0 - pd) * self.ratio
         return ratios
+
+    def at_levels_told_or_not(self, levels: FloatArray) -> FloatArray:
+        """Return w_ij (levels, e), and once more (2 x levels, e) as if speeds and lengths had not been told."""
+        told = self.at_levels(levels)
+        return told if self.log_told is None else np.concatenate([told, told * np.exp(-self.log_told)])
 
 
 def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> Judged:
@@ -93,19 +101,24 @@ def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
 def share_and_level(field: Field, pose: Poses) -> tuple[float, float]:
     """Return the mean clutter share and detection level at one pose, given its echoes."""
     terms = _log_terms(field, pose, Matches.of(field, lay_over(field, pose, reach_m=REACH_SIGMA * field.widest_m)))
-    weight = np.exp(terms[:, 0, :] - terms[:, 0, :].max())
-    weight /= weight.sum()
+    weight = np.exp(terms[:, 0, :] - terms[:, 0, :].max()).reshape(-1, len(field.model.detection_level), terms.shape[2])
+    weight = weight.sum(axis=0) / weight.sum()
     share, level = np.array(field.model.clutter_share), np.array(field.model.detection_level)
     return float(weight.sum(axis=0) @ share), float(weight.sum(axis=1) @ level)
 
 
 def _log_terms(field: Field, poses: Poses, matches: Matches) -> FloatArray:
-    """Return eq. (6.7) for every detection level, pose and clutter share (levels, k, s)."""
+    """Return eq. (6.7) for every detection level, pose and clutter share (levels, k, s).
+
+    Where speeds or lengths are told the levels come twice, with them and without: a young tracker gives moored ships a
+    knot or two, and whether this radar's are worth anything is averaged over like the shares.
+    """
     model, scene = field.model, field.scene
     levels = np.array(model.detection_level)
     pairings = Pairings(matches.pose, matches.target, matches.mark, len(poses), len(scene.rho), len(scene.z))
-    missed = _log_missed(field, poses, levels)
-    return log_terms(matches.at_levels(levels), pairings, missed, np.array(model.clutter_share))
+    weights = matches.at_levels_told_or_not(levels)
+    missed = np.tile(_log_missed(field, poses, levels), (len(weights) // len(levels), 1))
+    return log_terms(weights, pairings, missed, np.array(model.clutter_share))
 
 
 def _log_missed(field: Field, poses: Poses, levels: FloatArray) -> FloatArray:

@@ -410,9 +410,9 @@ def switches(_: int) -> Iterator[str]:
         if not all(counted):
             yield "shared data absent"
             return
-        fixes = (f"{answers / scans:.1%}" for scans, answers, _ in counted)
+        fixes = (f"{len(off_m) / scans:.1%}" for scans, off_m in counted)
         total, accepted, highest = _mixed(model, thin=3)
-        wrong = sum(w for _, _, w in counted)
+        wrong = sum(sum(m > WRONG_M for m in off_m) for _, off_m in counted)
         yield _row(name, *fixes, wrong, f"{accepted}/{total}", f"{highest:.1f}")
 
 
@@ -439,13 +439,16 @@ def foreign(_: int) -> Iterator[str]:
 
 def recordings(_: int) -> Iterator[str]:
     """Every second scan of the recordings alone, from nothing: answers and wrong ones (beyond 500 m)."""
-    yield _row("recording", "scans", "answers", "wrong")
+    yield _row("recording", "scans", "answers", "wrong", "median m")
     for name in RECORDINGS:
         counted = _solved_alone(name, MODEL)
         if counted is not None:
-            scans, answers, wrong = counted
-            yield _row(name, scans, f"{answers / scans:.1%}", wrong)
+            scans, off_m = counted
+            wrong = sum(m > WRONG_M for m in off_m)
+            yield _row(name, scans, f"{len(off_m) / scans:.1%}", wrong, f"{np.median(off_m):.0f}" if off_m else "-")
 
+
+WRONG_M = 500.0
 
 RECORDINGS = {
     "semi_real/dense_sf": 6,
@@ -467,15 +470,15 @@ def _epochs(name: str, every: int) -> tuple[Epoch, ...]:
     return tuple(epochs(read_log(log).records, every=every)) if log.is_file() else ()
 
 
-def _solved_alone(name: str, model: AssociationModel) -> tuple[int, int, int] | None:
-    """Return scans with truth, answers, and answers more than 500 m off."""
+def _solved_alone(name: str, model: AssociationModel) -> tuple[int, list[float]] | None:
+    """Return how many scans have a truth, and how far off [m] each answer is."""
     from navfix.report.truth import TruthTrack
 
     if not _epochs(name, 2):
         return None
     with (SHARED / f"{name}_truth.csv").open() as lines:
         track = TruthTrack.parse(lines)
-    scans = answers = wrong = 0
+    scans, off_m = 0, list[float]()
     for epoch in _epochs(name, 2):
         truth = track.at(epoch.time_utc.timestamp()) if epoch.time_utc else None
         if truth is None:
@@ -485,9 +488,8 @@ def _solved_alone(name: str, model: AssociationModel) -> tuple[int, int, int] | 
             found = associate(epoch, method=model)
         except NoFix:
             continue
-        answers += 1
-        wrong += inverse(found.position, truth.position)[0] > 500.0
-    return scans, answers, wrong
+        off_m.append(inverse(found.position, truth.position)[0])
+    return scans, off_m
 
 
 def _mixed(model: AssociationModel, thin: int = 1) -> tuple[int, int, float]:

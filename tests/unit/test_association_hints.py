@@ -185,6 +185,24 @@ def test_speeds_carry_no_evidence_on_the_average_of_wrong_pairs():
     assert np.mean(np.exp(log_speed_ratio(targets, marks))) < 1.0
 
 
+def test_speeds_that_are_all_wrong_cost_no_more_than_the_doubt_about_them():
+    model, radar = association_model(), radar_model("imo")
+    made = make_scene(BUSY, 3)
+    random = np.random.default_rng(4)
+    targets = tuple(replace(t, speed_mps=abs(9.0 * random.normal())) for t in made.epoch.targets)
+    marks = tuple(replace(m, speed_mps=abs(3.0 * random.normal())) for m in made.epoch.marks)
+
+    def evidence(epoch, model):
+        return seeded.search(scenes.build(epoch, radar, model), model).answers.evidence[0]
+
+    told = replace(made.epoch, targets=targets, marks=marks)
+    without = evidence(made.epoch, model)
+    assert evidence(told, model) > without - np.log(2.0) - 0.1
+    target, mark = np.array(made.pairs).T
+    believed = seeded.search(scenes.build(told, radar, model), model).field.log_pair_ratio[target, mark]
+    assert believed.sum() < -5.0  # what it would cost to believe them
+
+
 def test_the_size_of_an_echo_tells_a_tanker_from_coasters_and_nothing_among_coasters():
     marks = np.array([80.0] * 8 + [300.0, np.nan])
     targets = np.array([70.0] * 5 + [240.0, np.nan])
