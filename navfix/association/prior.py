@@ -19,7 +19,7 @@ from navfix.association.scene import Scene
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
 from navfix.geodesy import cloud_to_plane
-from navfix.types import Epoch, FloatArray, HeadingHint, PositionHint
+from navfix.types import Epoch, FloatArray, HeadingHint, IntArray, PositionHint
 from navfix.units import wrap_pi
 
 CELLS_IN_RANGE = 6  # of the raster that the searched area is counted in
@@ -128,21 +128,29 @@ def log_area(field: Field) -> float:
     """Return ln of the searched area [m^2]: the union of the radar discs about the marks, counted in cells."""
     radius_m = field.scene.radar_range_m
     cell_m = radius_m / CELLS_IN_RANGE
-    offsets = np.arange(-CELLS_IN_RANGE, CELLS_IN_RANGE + 1)
-    north, east = (axis.ravel() for axis in np.meshgrid(offsets, offsets, indexing="ij"))
-    disc = north**2 + east**2 <= CELLS_IN_RANGE**2
     row = np.round(field.scene.z.real / cell_m).astype(np.int64)
     column = np.round(field.scene.z.imag / cell_m).astype(np.int64)
     rows, columns = row - row.min() + CELLS_IN_RANGE, column - column.min() + CELLS_IN_RANGE
     height, width = int(rows.max()) + CELLS_IN_RANGE + 1, int(columns.max()) + CELLS_IN_RANGE + 1
     occupied = np.unique(rows * width + columns)
+    north, east = _DISC
+    covered = np.add.outer(occupied, north * width + east).ravel()
     if height * width > MOST_CELLS:  # marks at both ends of the world
-        covered = len(np.unique(occupied[:, None] + (north * width + east)[disc][None, :]))
-        return math.log(covered * cell_m**2)
+        return math.log(len(np.unique(covered)) * cell_m**2)
     raster = np.zeros(height * width, dtype=bool)
-    for step in (north * width + east)[disc].tolist():
-        raster[occupied + step] = True
-    return math.log(int(raster.sum()) * cell_m**2)
+    raster[covered] = True
+    return math.log(int(np.count_nonzero(raster)) * cell_m**2)
+
+
+def _disc() -> tuple[IntArray, IntArray]:
+    """Return rows and columns of the cells within the radar's range of one in the middle."""
+    offsets = np.arange(-CELLS_IN_RANGE, CELLS_IN_RANGE + 1)
+    north, east = np.meshgrid(offsets, offsets, indexing="ij")
+    within = north**2 + east**2 <= CELLS_IN_RANGE**2
+    return north[within], east[within]
+
+
+_DISC = _disc()
 
 
 def _place(hint: PositionHint | None, scene: Scene) -> tuple[complex | None, float]:
