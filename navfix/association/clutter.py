@@ -20,7 +20,8 @@ def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
     uniform = count / (np.pi * scene.radar_range_m**2)
     if not model.use_local_clutter:
         return np.full(count, uniform)
-    apart_sq = np.abs(scene.rho[:, None] - scene.rho[None, :]) ** 2
+    apart = scene.rho[:, None] - scene.rho[None, :]
+    apart_sq = apart.real**2 + apart.imag**2
     densest = np.zeros(count)
     for width_m in model.clutter_kernels_m:
         kernel = np.exp(-0.5 * apart_sq / width_m**2) / (2.0 * np.pi * width_m**2)
@@ -34,7 +35,8 @@ def clutter_density(scene: Scene, model: AssociationModel) -> FloatArray:
 
 def _density_of_neighbours(scene: Scene, apart_sq: FloatArray, model: AssociationModel) -> FloatArray:
     """Return echoes per m^2 (m,) of one normal distribution through each target's nearest others: long on a line."""
-    others = apart_sq + np.diag(np.full(len(apart_sq), np.inf))
+    others = apart_sq.copy()
+    np.fill_diagonal(others, np.inf)
     nearest = np.argpartition(others, model.clutter_neighbours, axis=1)[:, : model.clutter_neighbours]
     offset = scene.rho[nearest] - scene.rho[:, None]
     offset_m = np.stack([offset.real, offset.imag], axis=-1)

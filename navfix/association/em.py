@@ -28,6 +28,7 @@ NOMINAL_SHARE = 0.4  # of clutter among the echoes, while the pose is sought; th
 REACH_SIGMA = 7.0  # beyond it a mark is no match
 NOWHERE = 1e9 + 1e9j  # [m] where no target falls
 NOMINAL_LEVEL = 0.6  # of detection, likewise
+FREE_M, FREE_RAD = 3000.0, 0.5  # a pose without any match may move so far in a step
 
 
 class Field:
@@ -130,7 +131,7 @@ def lay_over(field: Field, poses: Poses, mark: IntArray | None = None, *, reach_
     world = poses.p[:, None] + turn * scene.rho[None, :]
     if mark is None:
         mark = field.nearest(world, reach_m)
-    axis = turn * np.exp(1j * scene.bearing_rad)[None, :]
+    axis = turn * scene.ray[None, :]
     misfit = (field.z[mark] - world[:, :, None]) * np.conj(axis)[:, :, None]
     mark_m2 = field.mark_m2[mark]
     return Fit(
@@ -224,29 +225,28 @@ def _normal_equations(
 ) -> tuple[FloatArray, FloatArray]:
     """Return A'WA (k, 3, 3) and A'Wl (k, 3) of the misfits, unknowns (north, east, heading).
 
-    In a target's axes a step of p moves it by the step turned into these axes, a step of h by r along the tangent.
+    In a target's axes a step of p moves it by the step turned into these axes, a step of h by r along the tangent. As
+    complex numbers (north + i east), with u = exp(i azimuth): the block of p is the mean of both weights on its
+    diagonal and half their difference times u^2; the column of p and h is i u r; the gradient is the misfit times u.
     A weak prior of ten cells keeps a pose without any match where it is.
     """
-    azimuth = poses.heading_rad[:, None] + scene.bearing_rad[None, :]
-    cos, sin = np.cos(azimuth), np.sin(azimuth)
+    u = np.exp(1j * poses.heading_rad)[:, None] * scene.ray[None, :]
     radial, tangential = weight_radial.sum(axis=2), weight_tangential.sum(axis=2)
-    pull_radial = (weight_radial * fit.radial_m).sum(axis=2)
-    pull_tangential = (weight_tangential * fit.tangential_m).sum(axis=2)
-    r = scene.range_m[None, :]
+    pull = np.empty(u.shape, dtype=np.complex128)
+    pull.real = (weight_radial * fit.radial_m).sum(axis=2)
+    pull.imag = (weight_tangential * fit.tangential_m).sum(axis=2)
+    r = scene.range_m
+    both, difference = 0.5 * (radial + tangential).sum(axis=1), 0.5 * ((radial - tangential) * u * u).sum(axis=1)
+    column = (u * tangential) @ r
+    shift = (pull * u).sum(axis=1)
+    free = widening**2 / np.array([FREE_M, FREE_M, FREE_RAD]) ** 2
     information = np.empty((len(poses), 3, 3))
-    information[:, 0, 0] = (radial * cos**2 + tangential * sin**2).sum(axis=1)
-    information[:, 1, 1] = (radial * sin**2 + tangential * cos**2).sum(axis=1)
-    information[:, 2, 2] = (tangential * r**2).sum(axis=1)
-    information[:, 0, 1] = information[:, 1, 0] = ((radial - tangential) * sin * cos).sum(axis=1)
-    information[:, 0, 2] = information[:, 2, 0] = -(tangential * sin * r).sum(axis=1)
-    information[:, 1, 2] = information[:, 2, 1] = (tangential * cos * r).sum(axis=1)
-    gradient = np.stack(
-        [
-            (pull_radial * cos - pull_tangential * sin).sum(axis=1),
-            (pull_radial * sin + pull_tangential * cos).sum(axis=1),
-            (pull_tangential * r).sum(axis=1),
-        ],
-        axis=1,
-    )
-    information += np.diag([1.0 / 3000.0**2, 1.0 / 3000.0**2, 1.0 / 0.5**2])[None] * widening**2
+    information[:, 0, 0] = both + difference.real + free[0]
+    information[:, 1, 1] = both - difference.real + free[1]
+    information[:, 2, 2] = tangential @ (r * r) + free[2]
+    information[:, 0, 1] = information[:, 1, 0] = difference.imag
+    information[:, 0, 2] = information[:, 2, 0] = -column.imag
+    information[:, 1, 2] = information[:, 2, 1] = column.real
+    gradient = np.empty((len(poses), 3))
+    gradient[:, 0], gradient[:, 1], gradient[:, 2] = shift.real, shift.imag, pull.imag @ r
     return information, gradient

@@ -76,24 +76,18 @@ class Prior:
 
     def _components(self, poses: Poses, information: FloatArray) -> FloatArray:
         """Return ln of weight x density (c, k) for each combination of trusted hints."""
-        covariance = np.linalg.inv(information)
-        place = self.place if self.place is not None else 0.0
-        offset = np.stack(
-            [(poses.p - place).real, (poses.p - place).imag, wrap_pi(poses.heading_rad - (self.heading_rad or 0.0))],
-            axis=1,
-        )
+        if not self.has_hint:
+            return np.full((1, len(poses)), -self.log_area - math.log(2.0 * math.pi))
+        sigmas = np.array([self.place_sigma_m, self.place_sigma_m, self.heading_sigma_rad])
+        spread = np.asarray(np.linalg.inv(information), dtype=np.float64)
+        spread += np.diag(np.where(np.isfinite(sigmas), sigmas, 0.0) ** 2)
+        place = poses.p - (self.place or 0.0)
+        offset = np.column_stack([place.real, place.imag, wrap_pi(poses.heading_rad - (self.heading_rad or 0.0))])
         rows = []
         for trust_place, trust_heading in self._choices():
-            axes = [0, 1] * trust_place + [2] * trust_heading
-            log_density = np.zeros(len(poses))
-            if axes:
-                added = np.diag([self.place_sigma_m**2, self.place_sigma_m**2, self.heading_sigma_rad**2])[
-                    np.ix_(axes, axes)
-                ]
-                spread = np.asarray(covariance[:, axes][:, :, axes] + added, dtype=np.float64)
-                log_density = _log_normal(offset[:, axes], spread)
-            log_density = log_density - (0.0 if trust_place else self.log_area)
-            log_density = log_density - (0.0 if trust_heading else math.log(2.0 * math.pi))
+            axes = slice(0 if trust_place else 2, 3 if trust_heading else 2)
+            log_density = _log_normal(offset[:, axes], spread[:, axes, axes])
+            log_density -= (0.0 if trust_place else self.log_area) + (0.0 if trust_heading else math.log(2.0 * math.pi))
             rows.append(log_density + self._log_weight(trust_place, trust_heading))
         return np.stack(rows)
 
@@ -161,8 +155,14 @@ def _place(hint: PositionHint | None, scene: Scene) -> tuple[complex | None, flo
 
 
 def _log_normal(offset: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return ln of the normal density (k,) of offsets (k, d) with covariances (k, d, d)."""
-    mahalanobis_sq = np.einsum("ki,ki->k", offset, np.linalg.solve(covariance, offset[:, :, None])[:, :, 0])
-    log_det = np.linalg.slogdet(covariance)[1]
-    log_density: FloatArray = -0.5 * (mahalanobis_sq + log_det + offset.shape[1] * math.log(2.0 * math.pi))
+    """Return ln of the normal density (k,) of offsets (k, d) with covariances (k, d, d); 0 for no dimensions."""
+    dimensions = offset.shape[1]
+    if dimensions == 0:
+        return np.zeros(len(offset))
+    if dimensions == 1:
+        mahalanobis_sq, log_det = offset[:, 0] ** 2 / covariance[:, 0, 0], np.log(covariance[:, 0, 0])
+    else:
+        mahalanobis_sq = (offset * np.linalg.solve(covariance, offset[:, :, None])[:, :, 0]).sum(axis=1)
+        log_det = np.linalg.slogdet(covariance)[1]
+    log_density: FloatArray = -0.5 * (mahalanobis_sq + log_det + dimensions * math.log(2.0 * math.pi))
     return log_density

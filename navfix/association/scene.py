@@ -71,6 +71,12 @@ class Scene:
         return float(self.range_m.max()) * 1.02
 
     @cached_property
+    def ray(self) -> ComplexArray:
+        """The targets' directions (m,) as unit vectors."""
+        ray: ComplexArray = np.exp(1j * self.bearing_rad)
+        return ray
+
+    @cached_property
     def mark_xy(self) -> FloatArray:
         """Marks as (n, 2) for the KD-tree."""
         return np.column_stack([self.z.real, self.z.imag])
@@ -111,8 +117,8 @@ def build(epoch: Epoch, radar: RadarModel, model: AssociationModel) -> Scene:
         z=plane[:, 0] + 1j * plane[:, 1],
         mark_sigma_m=np.array([m.sigma_m for m in epoch.marks]),
         conspicuity=np.array([conspicuity(m, model) for m in epoch.marks]),
-        target_speed_mps=np.array([_speed(t) for t in targets]),
-        mark_speed_mps=np.array([_speed(m) for m in epoch.marks]),
+        target_speed_mps=np.array([_target_speed(t) for t in targets]),
+        mark_speed_mps=np.array([_mark_speed(m) for m in epoch.marks]),
         target_length_m=np.array([t.length_m or np.nan for t in targets]),
         mark_length_m=np.array([m.hull.length_m or np.nan if m.hull else np.nan for m in epoch.marks]),
         reference=reference,
@@ -138,12 +144,16 @@ def position_of(scene: Scene, p: complex) -> Position:
     return LocalPlane(scene.origin).to_position(p.real, p.imag)
 
 
-def _speed(thing: RadarTarget | Mark) -> float:
+def _target_speed(target: RadarTarget) -> float:
     """Return the speed over ground [m/s], NaN where it is not known; a track that is still being acquired has none."""
-    if isinstance(thing, Mark) and thing.kind != "ship":
+    return np.nan if target.speed_mps is None or target.status == "Q" else target.speed_mps
+
+
+def _mark_speed(mark: Mark) -> float:
+    """Return the speed over ground [m/s], NaN where it is not known; an aid to navigation lies still."""
+    if mark.kind != "ship":
         return 0.0
-    young = isinstance(thing, RadarTarget) and thing.status == "Q"
-    return float("nan") if thing.speed_mps is None or young else thing.speed_mps
+    return np.nan if mark.speed_mps is None else mark.speed_mps
 
 
 def _prevailing_reference(targets: tuple[RadarTarget, ...]) -> str:

@@ -47,7 +47,7 @@ def search(scene: Scene, model: AssociationModel, epoch: Epoch) -> Warm | None:
     if not stands or not known.plausible(found.poses)[0]:
         return None
     told = float(known.log_mass(found.poses, found.information)[0])
-    elsewhere = float(free.log_mass(found.poses, found.information)[0]) + 2.0 * math.log(known.wrong_share)
+    elsewhere = float(found.evidence[0] - found.log_ratio[0]) + 2.0 * math.log(known.wrong_share)
     ahead = told - elsewhere
     wrong = ambiguity.probability_wrong(float(found.evidence[0]), ahead, model)
     if ahead < model.margin_with_hint or wrong > model.accept_probability:
