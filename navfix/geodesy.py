@@ -18,6 +18,7 @@ WGS84_B_M = WGS84_A_M * (1.0 - WGS84_F)
 _E2 = WGS84_F * (2.0 - WGS84_F)
 _INVERSE = Geodesic.DISTANCE | Geodesic.AZIMUTH
 _DIRECT = Geodesic.LATITUDE | Geodesic.LONGITUDE
+_DIRECT_AZIMUTH = _DIRECT | Geodesic.AZIMUTH
 
 
 def inverse(start: Position, end: Position) -> tuple[float, float]:
@@ -90,6 +91,14 @@ class LocalPlane:
     def to_position(self, north_m: float, east_m: float) -> Position:
         """Return the place at (north, east) [m]."""
         return direct(self.origin, math.degrees(math.atan2(east_m, north_m)), math.hypot(north_m, east_m))
+
+    def place(self, north_m: float, east_m: float) -> tuple[Position, float]:
+        """Return the place at (north, east) [m], and the convergence there as `convergence_deg` does."""
+        azimuth_deg = math.degrees(math.atan2(east_m, north_m))
+        line = Geodesic.WGS84.Direct(
+            self.origin.lat_deg, self.origin.lon_deg, azimuth_deg, math.hypot(north_m, east_m), _DIRECT_AZIMUTH
+        )
+        return Position(line["lat2"], line["lon2"]), wrap_180(line["azi2"] - azimuth_deg)
 
     def convergence_deg(self, position: Position) -> float:
         """Return true minus plane direction [deg] at a place: meridians converge; zero at the origin.

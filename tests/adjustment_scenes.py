@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from navfix.adjustment.dense import normal_matrix
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
-from navfix.adjustment.whitening import whitened
+from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.geodesy import LocalPlane
 from navfix.types import Association, Epoch, Mark, Position, RadarTarget
 

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from navfix.adjustment import solve as solving
-from navfix.adjustment.dense import normal_matrix, observation_weights
+from navfix.adjustment.damped import observation_weights
 from navfix.adjustment.network import TRUE_BEARING, BoolArray, Network, jacobian, residuals
 from navfix.adjustment.pairs import Problem
 from navfix.adjustment.search import Found, Placer, Search
-from navfix.adjustment.whitening import whiten_one, whitened, whitener
+from navfix.adjustment.whitening import normal_matrix, whiten_one, whitened, whitener
 from navfix.errors import Ambiguous, NoFix
 from navfix.kernels import Damping, Kernel
 from navfix.types import Alternative, FloatArray, confidence_radius

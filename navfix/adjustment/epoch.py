@@ -239,11 +239,11 @@ def _said(problem: Problem, network: Network, quality: Quality, solution: Soluti
 def _quality(located: Located, kernel: Kernel, damping: Damping, solution: Solution) -> Quality:
     network, pose = located.found.network, solution.pose
     if located.eliminated_rad is None:
-        return assess(network, pose, solution.weights, solution.cofactor, damping)
+        return assess(network, pose, solution.weights, solution.cofactor, damping, linear=solution.linear)
     edge = border(network, kernel, damping, pose, located.prior_rad)
     cofactor = bordered_cofactor(solution.cofactor, edge)
     compass = (located.eliminated_rad, located.prior_rad)
-    return assess(network, pose, solution.weights, cofactor, damping, compass_rad=compass)
+    return assess(network, pose, solution.weights, cofactor, damping, compass_rad=compass, linear=solution.linear)
 
 
 def _compass_error(

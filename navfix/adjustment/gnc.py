@@ -10,7 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from navfix.adjustment.dense import Descent, kernel_arguments, minimise
+from navfix.adjustment.damped import kernel_arguments
+from navfix.adjustment.dense import Descent, minimise
 from navfix.adjustment.network import Network
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray

@@ -7,6 +7,7 @@ bearings. All are circles a |p|^2 + b p + d = 0, a line where a = 0, and two of 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -86,11 +87,18 @@ def on_danger_circle(network: Network, pose: FloatArray) -> bool:
     return bool(moments[1] <= _ON_CIRCLE * moments[0])
 
 
+@lru_cache(maxsize=64)
 def index_pairs(count: int, at_most: int) -> tuple[IntArray, IntArray]:
-    """Return index pairs i < j: all, or an even choice in which every index occurs about as often."""
-    first, second = np.triu_indices(count, 1)
-    if len(first) <= at_most:
-        return first, second
+    """Return index pairs i < j: all, or an even choice in which every index occurs about as often; read-only."""
+    pairs = _chosen_pairs(count, at_most)
+    for index in pairs:
+        index.setflags(write=False)
+    return pairs
+
+
+def _chosen_pairs(count: int, at_most: int) -> tuple[IntArray, IntArray]:
+    if count * (count - 1) // 2 <= at_most:
+        return np.triu_indices(count, 1)
     strides = np.unique(np.linspace(1, count // 2, max(at_most // count, 1)).astype(np.int64))
     base = np.unique(np.linspace(0, count - 1, min(count, at_most)).astype(np.int64))
     return np.tile(base, len(strides)), np.concatenate([(base + stride) % count for stride in strides])

@@ -42,6 +42,7 @@ class Network:
     block_sizes : (g,) how many they are
     diagonal : True when the errors of different observations are uncorrelated
     in_order : True when the blocks are the observations in their order, none left out (the usual case)
+    polar : True when every target has one range and one bearing of one mark, in this order, all uncorrelated
     is_range, is_relative : (m,) the kind once more, as masks
     place : (2, m) north and east of the mark that was observed
     spread_m2 : (3, m) its covariance: north, twice the mixed term, east
@@ -62,6 +63,7 @@ class Network:
     block_sizes: IntArray = field(init=False)
     diagonal: bool = field(init=False)
     in_order: bool = field(init=False)
+    polar: bool = field(init=False)
     is_range: BoolArray = field(init=False)
     is_relative: BoolArray = field(init=False)
     place: FloatArray = field(init=False)
@@ -72,12 +74,14 @@ class Network:
         covariance = self.mark_covariance_m2[self.mark]
         mixed = [covariance[:, 0, 0], 2.0 * covariance[:, 0, 1], covariance[:, 1, 1]]
         blocks = _blocks(self)
+        in_order, diagonal = np.array_equal(blocks.ravel(), np.arange(len(self.kind))), _is_diagonal(self, blocks)
         derived = {
             "heading_unknown": bool(np.any((self.kind == RELATIVE_BEARING) & self.mask)),
             "blocks": blocks,
             "block_sizes": np.asarray(np.count_nonzero(blocks >= 0, axis=1), np.int64),
-            "diagonal": _is_diagonal(self, blocks),
-            "in_order": np.array_equal(blocks.ravel(), np.arange(len(self.kind))),
+            "diagonal": diagonal,
+            "in_order": in_order,
+            "polar": in_order and diagonal and _is_polar(self, blocks),
             "is_range": self.kind == RANGE,
             "is_relative": self.kind == RELATIVE_BEARING,
             "place": self.mark_ne_m[self.mark].T.copy(),
@@ -169,7 +173,7 @@ def _check(network: Network) -> None:
     for name in ("mark", "value", "sigma", "target", "mask"):
         if getattr(network, name).shape != (m,):
             raise InputError(f"network: {name} must have {m} entries, got shape {getattr(network, name).shape}")
-    if m and not np.all(np.isin(network.kind, (RANGE, RELATIVE_BEARING, TRUE_BEARING))):
+    if m and not np.all((network.kind >= RANGE) & (network.kind <= TRUE_BEARING)):
         raise InputError(f"network: kind must be 0, 1 or 2, got {np.unique(network.kind).tolist()}")
     if m and not (network.mark.min() >= 0 and network.mark.max() < n):
         raise InputError(f"network: mark must be within 0 .. {n - 1}, got {network.mark.min()} .. {network.mark.max()}")
@@ -179,10 +183,16 @@ def _check(network: Network) -> None:
         raise InputError("network: values and coordinates must be finite")
     if network.mark_covariance_m2.shape != (n, 2, 2):
         raise InputError(f"network: mark_covariance_m2 must be {(n, 2, 2)}, got {network.mark_covariance_m2.shape}")
-    if n and not np.all(np.linalg.eigvalsh(network.mark_covariance_m2) >= -1e-9):
+    if n and not np.all(_smaller_eigenvalue(network.mark_covariance_m2) >= -1e-9):
         raise InputError("network: every mark covariance must be positive semidefinite")
     if network.heading_prior_rad is not None and not network.heading_prior_rad[1] > 0.0:
         raise InputError(f"network: the sigma of the heading prior must be > 0, got {network.heading_prior_rad[1]}")
+
+
+def _smaller_eigenvalue(matrix: FloatArray) -> FloatArray:
+    """Return the smaller eigenvalue of symmetric matrices (n, 2, 2)."""
+    a, b, c = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 1]
+    return np.asarray(0.5 * (a + c) - np.hypot(0.5 * (a - c), b))
 
 
 def _blocks(network: Network) -> IntArray:
@@ -206,6 +216,14 @@ def _is_diagonal(network: Network, blocks: IntArray) -> bool:
         return True
     padded = np.append(np.where(network.kind == RANGE, 0, 1), -1)[blocks]
     return bool(isotropic and np.all(np.sum(padded == 0, axis=1) <= 1) and np.all(np.sum(padded == 1, axis=1) <= 1))
+
+
+def _is_polar(network: Network, blocks: IntArray) -> bool:
+    """Tell whether observations in order are a range and a bearing of one mark, over and over, of isotropic marks."""
+    if blocks.shape[1] != 2:
+        return False
+    first, second = network.kind[::2], network.kind[1::2]
+    return bool(np.all(first == RANGE) and np.all(second != RANGE) and np.all(network.mark[::2] == network.mark[1::2]))
 
 
 # ------------------------------------------------------------------------------------- functions of one or many poses

@@ -31,31 +31,37 @@ def adjusted_observations(
 
     ``kind`` and ``observed`` (m,) as they were measured, where the network holds them otherwise (compass error).
     """
-    rows = []
     kinds, values = network.kind if kind is None else kind, network.value if observed is None else observed
-    for i, kind_ in enumerate(kinds.tolist()):
-        unit = 1.0 if kind_ == RANGE else _DEG
-        observed_, residual = float(values[i]) * unit, float(quality.residual[i]) * unit
-        adjusted = observed_ + residual
-        target, mark = labels[network.mark[i]]
-        testable = bool(quality.testable[i])
-        rows.append(
-            AdjustedObservation(
-                target=target,
-                mark=mark,
-                kind=KIND_NAMES[kind_],
-                observed=observed_ if kind_ == RANGE else wrap_360(observed_),
-                adjusted=adjusted if kind_ == RANGE else wrap_360(adjusted),
-                residual=residual,
-                sigma=float(quality.sigma[i]) * unit,
-                standardized=float(quality.standardized[i]) if testable else None,
-                redundancy_number=float(quality.redundancy_number[i]),
-                weight=float(solution.weights[i]),
-                mdb=float(quality.mdb[i]) * unit if testable else None,
-                external_m=float(quality.external_m[i]) if testable else None,
-            )
+    unit = np.where(kinds == RANGE, 1.0, _DEG)
+    adjusted, w, r = values + quality.residual, quality.standardized, quality.redundancy_number
+    in_units = np.stack([values, adjusted, quality.residual, quality.sigma, quality.mdb]) * unit
+    plain = np.stack([w, r, solution.weights, quality.external_m])
+    rows = zip(
+        kinds.tolist(),
+        network.mark.tolist(),
+        quality.testable.tolist(),
+        *in_units.tolist(),
+        *plain.tolist(),
+        strict=True,
+    )
+    return tuple(
+        AdjustedObservation(
+            target=labels[mark][0],
+            mark=labels[mark][1],
+            kind=KIND_NAMES[kind_],
+            observed=observed_ if kind_ == RANGE else wrap_360(observed_),
+            adjusted=adjusted_ if kind_ == RANGE else wrap_360(adjusted_),
+            residual=residual,
+            sigma=sigma,
+            standardized=standardized if testable else None,
+            redundancy_number=redundancy,
+            weight=weight,
+            mdb=mdb if testable else None,
+            external_m=external_m if testable else None,
         )
-    return tuple(rows)
+        for kind_, mark, testable, *in_m_or_deg, standardized, redundancy, weight, external_m in rows
+        for observed_, adjusted_, residual, sigma, mdb in [in_m_or_deg]
+    )
 
 
 def notes(network: Network, quality: Quality, solution: Solution, *, prior: str = "heading prior") -> tuple[str, ...]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.adjustment.dense import normal_matrix
-from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, jacobian, prior_residual, residuals
-from navfix.adjustment.whitening import back_to_units, whiten, whitened, whitener
+from navfix.adjustment.dense import Linear, linearise
+from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, jacobian, prior_residual
+from navfix.adjustment.whitening import back_to_units, normal_matrix, whiten, whitened, whitener
 from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest
 
@@ -55,11 +55,13 @@ def assess(
     damping: Damping,
     *,
     compass_rad: tuple[float, float | None] | None = None,
+    linear: Linear | None = None,
 ) -> Quality:
     """Assess a solution with ``weights`` (m,) and ``cofactor`` (u, u) = (A'WA)^-1.
 
     ``compass_rad``: the error common to the true bearings, already in their values, and the sigma of its prior (None
-    without one), where it is an unknown beside the heading; the cofactor matrix is (4, 4) then.
+    without one), where it is an unknown beside the heading; the cofactor matrix is (4, 4) then. ``linear``: the
+    observations about the pose, where they are at hand.
 
     sigma0^2 = (sum of weights x squared standardised residuals) / dof, dof = sum of weights (+ 1 for a heading prior)
     - unknowns: observations that were given up count neither above nor below. From three degrees of freedom on it
@@ -69,14 +71,16 @@ def assess(
     ----------
     Baarda, A testing procedure for use in geodetic networks, 1968.
     """
-    a = jacobian(network, pose)
-    sigma, v = effective_sigma(network, a), residuals(network, pose)
-    design, gain = _design(network, a, cofactor), _gain(network, a, weights, cofactor, damping)
+    at = linear or linearise(network, None, damping, pose)
+    a, v = at.jacobian, at.residual
+    sigma = effective_sigma(network, a)
+    design = _design(network, a, cofactor)
+    gain = _gain(network, design, at.whitener, weights, cofactor)
     redundancy = np.clip(1.0 - np.sum(design * gain, axis=1), 0.0, 1.0)
     testable = redundancy > _NO_REDUNDANCY
     root = np.sqrt(np.where(testable, redundancy, 1.0))
     mdb = np.where(testable, sigma * DELTA0 / root, np.inf)
-    statistic, dof = _squared_sum(network, pose, weights, cofactor, damping, compass_rad)
+    statistic, dof = _squared_sum(network, at, weights, cofactor, compass_rad)
     sigma0, scaling = _reference_deviation(statistic, dof)
     scale = sigma0**2 if scaling == "a_posteriori" else 1.0
     covariance = scale * cofactor
@@ -108,8 +112,9 @@ def redundancy_numbers(
     prior, is observations minus unknowns.
     """
     a = jacobian(network, pose)
-    effect = _gain(network, a, weights, cofactor, damping)
-    return np.asarray(np.clip(1.0 - np.sum(_design(network, a, cofactor) * effect, axis=1), 0.0, 1.0))
+    design = _design(network, a, cofactor)
+    effect = _gain(network, design, whitener(network, a, damping), weights, cofactor)
+    return np.asarray(np.clip(1.0 - np.sum(design * effect, axis=1), 0.0, 1.0))
 
 
 def by_residual_sigma(network: Network, pose: FloatArray, damping: Damping) -> Network:
@@ -138,25 +143,22 @@ def _design(network: Network, jacobian_: FloatArray, cofactor: FloatArray) -> Fl
 
 
 def _gain(
-    network: Network, jacobian_: FloatArray, weights: FloatArray, cofactor: FloatArray, damping: Damping
+    network: Network, design: FloatArray, factor: FloatArray, weights: FloatArray, cofactor: FloatArray
 ) -> FloatArray:
     """Return (m, u): how much each unknown moves per unit of each observation, P A Q."""
-    factor = whitener(network, jacobian_, damping)
-    a_white = whiten(network, factor, _design(network, jacobian_, cofactor))
+    a_white = whiten(network, factor, design)
     p_a = np.stack([back_to_units(network, factor, weights * column) for column in a_white.T], axis=1)
     return np.asarray(p_a @ cofactor)
 
 
 def _squared_sum(
     network: Network,
-    pose: FloatArray,
+    at: Linear,
     weights: FloatArray,
     cofactor: FloatArray,
-    damping: Damping,
     compass_rad: tuple[float, float | None] | None,
 ) -> tuple[float, float]:
-    v_white, _ = whitened(network, pose, damping)
-    statistic = float(weights @ v_white**2) + float(prior_residual(network, pose)) ** 2
+    statistic = float(weights @ at.v_white**2) + float(prior_residual(network, at.pose)) ** 2
     dof = float(weights.sum()) + float(network.prior_counts) - len(cofactor)
     if compass_rad is not None and compass_rad[1] is not None:
         return statistic + (compass_rad[0] / compass_rad[1]) ** 2, dof + 1.0

@@ -65,9 +65,10 @@ class Search:
             if self.standardise == "gdynia" and solving.determined(network, minima[0].pose, self.damping):
                 network = by_residual_sigma(network, minima[0].pose, self.damping)
                 minima = self._on_the_plane(network, plane)
-            north_m, east_m = (float(x) for x in minima[0].pose[:2])
-            there = plane.to_position(north_m, east_m)
-            if not north_matters or abs(plane.convergence_deg(there)) < _TURNED_DEG:
+            if not north_matters:
+                break
+            there, turned_deg = plane.place(*minima[0].pose[:2].tolist())
+            if abs(turned_deg) < _TURNED_DEG:
                 break
             origin = there
         return Found(plane, network, minima)
@@ -114,10 +115,9 @@ class Placer:
 
     def __call__(self, pose: FloatArray) -> tuple[Position, float | None]:
         """Return the place of a pose (3,)."""
-        position = self._plane.to_position(float(pose[0]), float(pose[1]))
-        if not self._heading:
-            return position, None
-        return position, wrap_360(math.degrees(float(pose[2])) + self._plane.convergence_deg(position))
+        north_m, east_m, turn_rad = pose.tolist()
+        position, convergence_deg = self._plane.place(north_m, east_m)
+        return position, wrap_360(math.degrees(turn_rad) + convergence_deg) if self._heading else None
 
 
 def _complex(north_east: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.complex128]]:

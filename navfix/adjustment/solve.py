@@ -10,11 +10,13 @@ from typing import Literal
 import numpy as np
 
 from navfix.adjustment import graph
-from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
+from navfix.adjustment.damped import observation_weights
+from navfix.adjustment.dense import Linear, linearise, step_from
+from navfix.adjustment.landscape import landscape_of
 from navfix.adjustment.minimal import on_danger_circle
 from navfix.adjustment.network import Network, prior_residual
 from navfix.adjustment.start import Minimum, find_minima, follow_given, on_a_mark, separation
-from navfix.adjustment.whitening import whitened
+from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs, Unobservable
 from navfix.kernels import Damping, Kernel
 from navfix.types import Alternative, FloatArray, PlanePosition, Position, confidence_radius
@@ -31,17 +33,23 @@ _AGREE = 1e-4  # sigma: how well the two roads must agree
 class Solution:
     """Where a network was solved.
 
-    ``pose`` (3,) north m, east m, heading rad (0 where it is not an unknown); ``weights`` (m,); ``cofactor`` (u, u) =
-    (A'WA)^-1; ``loss`` in units of z^2 / 2; ``others``: the other distinct minima, lowest loss first.
+    ``pose`` (3,) north m, east m, heading rad (0 where it is not an unknown); ``linear``: the observations about it;
+    ``cofactor`` (u, u) = (A'WA)^-1; ``loss`` in units of z^2 / 2; ``others``: the other distinct minima,
+    lowest loss first.
     """
 
     pose: FloatArray
     loss: float
-    weights: FloatArray
+    linear: Linear
     cofactor: FloatArray
     start: str
     solver: str
     others: tuple[Minimum, ...]
+
+    @property
+    def weights(self) -> FloatArray:
+        """Weight of each observation (m,)."""
+        return self.linear.weights
 
 
 def solve(
@@ -96,10 +104,11 @@ def check_solution(
         )
     if rivals and network.redundancy == 0:
         _check_exact(network, kernel, damping, minima, place or on_the_plane)
-    check_rank(network, minima[0].pose, network.mask.astype(np.float64), damping)
-    _check_agreement(network, kernel, damping, minima[0])
+    linear = linearise(network, kernel, damping, minima[0].pose)
+    check_rank(network, linear.pose, linear.a_white, network.mask.astype(np.float64))
+    _check_agreement(network, linear, minima[0])
     if rivals:
-        _check_rivals(network, kernel, damping, minima, place or on_the_plane)
+        _check_rivals(network, kernel, damping, minima, linear, place or on_the_plane)
 
 
 def finish(
@@ -125,24 +134,22 @@ def finish(
     if solver != "dense" and graph.available():
         known = observation_weights(network, kernel, damping, minimum.pose)
         found = graph.solve(network, kernel, damping, minimum.pose, weights=known)
-        loss = float(total_loss(network, kernel, damping, found.pose))
-        step = minimise(network, kernel, damping, found.pose[None, :], iterations=1).step[0]
+        local = landscape_of(network, kernel, damping).about(found.pose[None, :])
+        loss, step = float(local.loss[0]), float(step_from(network, local)[1][0])
         if step < _AGREE and loss <= minimum.loss + 1e-6 * (1.0 + minimum.loss):
-            u = network.unknowns
-            weights = observation_weights(network, kernel, damping, found.pose)
-            pose = _tidy(network, found.pose)
-            return Solution(pose, loss, weights, found.cofactor[:u, :u], minimum.start, "gtsam", others)
+            u, pose = network.unknowns, _tidy(network, found.pose)
+            linear = linearise(network, kernel, damping, pose)
+            return Solution(pose, loss, linear, found.cofactor[:u, :u], minimum.start, "gtsam", others)
     return _dense(network, kernel, damping, minimum, others)
 
 
 def _dense(
     network: Network, kernel: Kernel, damping: Damping, minimum: Minimum, others: tuple[Minimum, ...]
 ) -> Solution:
-    u, (_, a_white) = network.unknowns, whitened(network, minimum.pose, damping)
-    weights = observation_weights(network, kernel, damping, minimum.pose)
-    cofactor = np.asarray(np.linalg.inv(normal_matrix(network, a_white, weights)[:u, :u]), np.float64)
     pose = _tidy(network, minimum.pose)
-    return Solution(pose, minimum.loss, weights, cofactor, minimum.start, "dense", others)
+    linear = linearise(network, kernel, damping, pose)
+    cofactor = np.asarray(np.linalg.inv(linear.normal_matrix(network)), np.float64)
+    return Solution(pose, minimum.loss, linear, cofactor, minimum.start, "dense", others)
 
 
 def _tidy(network: Network, pose: FloatArray) -> FloatArray:
@@ -160,16 +167,16 @@ def check_counts(network: Network) -> None:
         raise TooFewPairs(message, observations=network.observations, unknowns=network.unknowns)
 
 
-def check_rank(network: Network, pose: FloatArray, weights: FloatArray, damping: Damping) -> None:
-    """Raise `Unobservable` where a direction of the unknowns stays free, exactly or for any practical purpose.
+def check_rank(network: Network, pose: FloatArray, a_white: FloatArray, weights: FloatArray) -> None:
+    """Raise `Unobservable` where ``weights`` (m,) leave a direction free, exactly or for any practical purpose.
+
+    ``a_white`` (m, 3): the Jacobian at the pose in units of sigma.
 
     The heading is compared as the shift it causes at the marks' median distance; a direction counts as free when its
     sigma is more than half that distance (more than 29 deg in heading): linear error propagation says nothing then.
     """
-    u = network.unknowns
-    reach_m = _median_distance(network, pose)
+    u, reach_m = network.unknowns, _median_distance(network, pose)
     scale = np.array([1.0, 1.0, 1.0 / reach_m])[:u]
-    _, a_white = whitened(network, pose, damping)
     matrix = normal_matrix(network, a_white, weights)[:u, :u] * scale[:, None] * scale[None, :]
     values, vectors = np.linalg.eigh(matrix)
     if values[0] * (_HOPELESS_SHARE * reach_m) ** 2 < 1.0 or values[0] < 1e-12 * values[-1]:
@@ -183,7 +190,7 @@ def check_rank(network: Network, pose: FloatArray, weights: FloatArray, damping:
 def determined(network: Network, pose: FloatArray, damping: Damping) -> bool:
     """Tell whether all observations together leave no direction free (see `check_rank`)."""
     try:
-        check_rank(network, pose, network.mask.astype(np.float64), damping)
+        check_rank(network, pose, whitened(network, pose, damping)[1], network.mask.astype(np.float64))
     except Unobservable:
         return False
     return True
@@ -202,16 +209,15 @@ def _in_words(vector: FloatArray) -> str:
     return f"the position along {azimuth_deg:.0f} deg{turning}"
 
 
-def _check_agreement(network: Network, kernel: Kernel, damping: Damping, best: Minimum) -> None:
-    weights = observation_weights(network, kernel, damping, best.pose)
-    effective = float(weights.sum()) + float(network.prior_counts)
+def _check_agreement(network: Network, linear: Linear, best: Minimum) -> None:
+    effective = float(linear.weights.sum()) + float(network.prior_counts)
     if effective < network.unknowns - 1e-9:
         raise NoAgreement(
             f"the observations contradict each other: after damping {effective:.1f} of {network.observations} are left "
             f"for {network.unknowns} unknowns",
             evidence=-best.loss,
         )
-    check_rank(network, best.pose, weights, damping)
+    check_rank(network, linear.pose, linear.a_white, linear.weights)
 
 
 def same_place(network: Network, pose: FloatArray, other: FloatArray) -> bool:
@@ -230,18 +236,18 @@ def decisive_gap(kernel: Kernel, damping: Damping) -> float:
     return min(DECISIVE, 0.5 * kernel.bound(damping))
 
 
-def _check_rivals(network: Network, kernel: Kernel, damping: Damping, minima: list[Minimum], place: Place) -> None:
+def _check_rivals(
+    network: Network, kernel: Kernel, damping: Damping, minima: list[Minimum], linear: Linear, place: Place
+) -> None:
     """Raise `Ambiguous` where another minimum has nearly the same loss and lies outside the best one's 99.9 % ellipse.
 
     Where the residuals are larger than their sigmas say, the gap is measured with the larger ones.
     """
-    best, u = minima[0], network.unknowns
-    v_white, a_white = whitened(network, best.pose, damping)
-    weights = observation_weights(network, kernel, damping, best.pose)
-    dof = float(weights.sum()) + float(network.prior_counts) - u
-    squared = float(weights @ v_white**2) + float(prior_residual(network, best.pose)) ** 2
+    best, weights = minima[0], linear.weights
+    dof = float(weights.sum()) + float(network.prior_counts) - network.unknowns
+    squared = float(weights @ linear.v_white**2) + float(prior_residual(network, best.pose)) ** 2
     inflation = max(1.0, squared / dof) if dof >= 3.0 else 1.0
-    matrix = normal_matrix(network, a_white, weights)[:u, :u] / inflation
+    matrix = linear.normal_matrix(network) / inflation
     rivals = [m for m in minima[1:] if (m.loss - best.loss) / inflation < decisive_gap(kernel, damping)]
     if any(_distance_sq(matrix, m.pose - best.pose) > confidence_radius(0.999) ** 2 for m in rivals):
         alternatives = [alternative(m, place) for m in minima]

@@ -16,10 +16,12 @@ import numpy as np
 
 from navfix import catalog
 from navfix.adjustment import gnc
-from navfix.adjustment.dense import Descent, minimise, normal_matrix, observation_weights, saddle_exits
+from navfix.adjustment.damped import observation_weights
+from navfix.adjustment.dense import Descent, minimise, saddle_exits
+from navfix.adjustment.landscape import norms_of_targets
 from navfix.adjustment.network import Network, sight
 from navfix.adjustment.trials import trial_fixes
-from navfix.adjustment.whitening import target_norms, whitened
+from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
 from navfix.units import wrap_pi
@@ -59,7 +61,7 @@ def find_minima(
     if kernel.family == gnc.FAMILY:
         near = trials[[int(np.argmin(score))]]
         least_squares = gnc.start_pose(network, catalog.kernel("none"), damping, near)
-        return [_minimum(network, kernel, damping, gnc.graduated(network, kernel, damping, least_squares), 0, "gnc")]
+        return _minima(network, kernel, damping, gnc.graduated(network, kernel, damping, least_squares), ["gnc"])
     agreed = trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)]
     names, poses = _starts(
         network, kernel, damping, given, agreed, smooth=not _decided(network, kernel, damping, agreed)
@@ -68,7 +70,7 @@ def find_minima(
     chosen = _distinct(coarse.pose, coarse.loss, *apart)
     fine, names = _without_saddles(network, kernel, damping, coarse.pose[chosen], [names[i] for i in chosen])
     kept = _distinct(fine.pose, fine.loss, *apart)
-    minima = [_minimum(network, kernel, damping, fine, i, names[i]) for i in kept]
+    minima = _minima(network, kernel, damping, fine.take(kept), [names[i] for i in kept])
     return [minima[0], *(m for m in minima[1:] if m.targets > 0)]
 
 
@@ -77,7 +79,7 @@ def _without_saddles(
 ) -> tuple[Descent, list[str]]:
     """Follow all poses to the end; what ends in a saddle goes on to both its sides."""
     fine = minimise(network, kernel, damping, poses, tolerance=_FINE, iterations=_FINE_STEPS)
-    saddles, exits = saddle_exits(network, kernel, damping, fine.pose)
+    saddles, exits = saddle_exits(network, fine)
     if not np.any(saddles):
         return fine, names
     poses = np.concatenate([fine.pose[~saddles], exits])
@@ -87,7 +89,7 @@ def _without_saddles(
 
 def follow(network: Network, kernel: Kernel, damping: Damping, start: FloatArray, name: str) -> Minimum:
     """Return the minimum that is reached from one start (3,)."""
-    return _minimum(network, kernel, damping, minimise(network, kernel, damping, start[None, :]), 0, name)
+    return _minima(network, kernel, damping, minimise(network, kernel, damping, start[None, :]), [name])[0]
 
 
 def follow_given(
@@ -124,11 +126,11 @@ def on_a_mark(network: Network, pose: FloatArray) -> bool:
     return bool(np.any(sight(network, pose).distance[bearings] < _ON_A_MARK_M))
 
 
-def _minimum(network: Network, kernel: Kernel, damping: Damping, found: Descent, index: int, name: str) -> Minimum:
-    pose = found.pose[index]
-    weights = observation_weights(network, kernel, damping, pose)
-    targets = int(np.count_nonzero(weights[network.blocks[:, 0]] > 0.5))
-    return Minimum(pose, float(found.loss[index]), name, targets)
+def _minima(network: Network, kernel: Kernel, damping: Damping, found: Descent, names: Sequence[str]) -> list[Minimum]:
+    weights = observation_weights(network, kernel, damping, found.pose)
+    targets = np.count_nonzero(weights[:, network.blocks[:, 0]] > 0.5, axis=1)
+    ends = zip(found.pose, found.loss.tolist(), names, targets.tolist(), strict=True)
+    return [Minimum(pose, loss, name, count) for pose, loss, name, count in ends]
 
 
 def separation(network: Network, pose: FloatArray) -> tuple[float, float]:
@@ -147,8 +149,7 @@ def _decided(network: Network, kernel: Kernel, damping: Damping, agreed: FloatAr
     """
     if len(agreed) < _FEWEST_STARTS or not math.isfinite(kernel.bound(damping)):
         return False
-    v_white, _ = whitened(network, agreed[0])
-    z = target_norms(network, v_white) / np.sqrt(np.maximum(network.block_sizes, 1))
+    z = norms_of_targets(network, agreed[:1])[0] / np.sqrt(np.maximum(network.block_sizes, 1))
     return 3 * int(np.count_nonzero(z < _AGREES)) >= 2 * len(z)
 
 
@@ -179,9 +180,8 @@ def _starts(
 
 def consensus(network: Network, poses: FloatArray) -> FloatArray:
     """Return the sum of the targets' truncated z^2 at each pose (t, 3): the lower, the more targets agree."""
-    v_white, _ = whitened(network, poses)
     sizes = np.maximum(network.block_sizes, 1)
-    z = target_norms(network, v_white)
+    z = norms_of_targets(network, poses)
     return np.asarray(np.minimum(z**2 / sizes, _TRUNCATED_AT**2).sum(axis=-1))
 
 

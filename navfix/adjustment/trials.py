@@ -28,9 +28,9 @@ def trial_fixes(network: Network) -> FloatArray:
 def _per_target(network: Network) -> IntArray:
     """Return (g, 3): the first range, relative bearing and true bearing of each target, -1 where it has none."""
     table = np.full((len(network.blocks), 3), -1, np.int64)
-    for row, block in enumerate(network.blocks):
-        for index in block[block >= 0][::-1]:
-            table[row, network.kind[index]] = index
+    for column in network.blocks.T[::-1]:
+        rows = np.flatnonzero(column >= 0)
+        table[rows, network.kind[column[rows]]] = column[rows]
     return table
 
 

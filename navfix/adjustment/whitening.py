@@ -59,6 +59,22 @@ def whitened(network: Network, pose: FloatArray, damping: Damping = "joint") -> 
     return whiten_one(network, factor, residuals(network, pose, seen)), whiten(network, factor, a)
 
 
+def normal_matrix(network: Network, a_white: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return A'WA (..., 3, 3) with the heading prior; row and column 2 are zero where the heading is no unknown."""
+    matrix: FloatArray = np.swapaxes(a_white * weights[..., None], -1, -2) @ a_white
+    if network.prior_counts and network.heading_prior_rad is not None:
+        matrix = matrix.copy()
+        matrix[..., 2, 2] += 1.0 / network.heading_prior_rad[1] ** 2
+    return matrix
+
+
+def white_residuals(network: Network, pose: FloatArray, damping: Damping = "joint") -> FloatArray:
+    """Return residuals (..., m) in units of their sigma at ``pose`` (..., 3)."""
+    seen = sight(network, pose)
+    factor = whitener(network, jacobian(network, pose, seen), damping)
+    return whiten_one(network, factor, residuals(network, pose, seen))
+
+
 def block_covariance(network: Network, jacobian_: FloatArray) -> FloatArray:
     """Return the covariance of the observations of each target, (..., g, K, K); unused places have variance 1."""
     used = network.blocks >= 0

@@ -1,6 +1,7 @@
 """RMSE over the Cramer-Rao bound for every kernel and share of wrong matches, and the time a fix takes.
 
 Run: python tests/benchmarks/bench_adjustment.py [runs a cell]
+     python tests/benchmarks/bench_adjustment.py timing
 """
 
 from __future__ import annotations
@@ -50,8 +51,18 @@ def table(runs: int) -> None:
             print(f"{kernel:10s} {damping:8s} " + "".join(f"{value:9.2f} ({none})".rjust(14) for value, none in cells))
 
 
-def timing(marks: int, runs: int, *, solver: str) -> None:
-    """Print the processor time of one call of adjust, everything included."""
+def loop_ms() -> float:
+    """Return the processor time of a fixed loop, so that figures of different machines compare."""
+    taken = []
+    for _ in range(5):
+        start = time.process_time()
+        sum(i * i for i in range(10**6))
+        taken.append(1e3 * (time.process_time() - start))
+    return min(taken)
+
+
+def timing(marks: int, runs: int, *, solver: str, loop: float) -> None:
+    """Print the processor time of one call of adjust, everything included, in ms and in fixed loops (``loop`` ms)."""
     rng = np.random.default_rng(2)
     scenes = [epoch_scene(rng, marks=marks, wrong=marks // 5) for _ in range(runs)]
     taken = []
@@ -61,15 +72,24 @@ def timing(marks: int, runs: int, *, solver: str) -> None:
             adjust(epoch, association, solver=solver)  # type: ignore[arg-type]
         taken.append(1e3 * (time.process_time() - start))
     median, p99 = np.quantile(taken[1:], [0.5, 0.99])  # the first one imports
-    print(f"adjust, {marks:3d} pairs, {solver:5s}: median {median:6.1f} ms, p99 {p99:6.1f} ms")
+    loops = f"in loops {median / loop:.3f}, {p99 / loop:.3f}"
+    print(f"adjust, {marks:3d} pairs, {solver:5s}: median {median:6.1f} ms, p99 {p99:6.1f} ms; {loops}")
+
+
+def timings() -> None:
+    """Print the times of all sizes."""
+    loop = loop_ms()
+    print(f"the loop sum(i*i for i in range(10**6)) takes {loop:.1f} ms here")
+    for marks, runs in ((5, 200), (20, 200), (100, 50), (500, 20)):
+        for solver in ("gtsam", "dense") if graph.available() else ("dense",):
+            timing(marks, runs, solver=solver, loop=loop)
 
 
 def main() -> None:
     """Print the table and the timings."""
-    table(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
-    for marks, runs in ((5, 200), (20, 200), (100, 50), (500, 20)):
-        for solver in ("gtsam", "dense") if graph.available() else ("dense",):
-            timing(marks, runs, solver=solver)
+    if sys.argv[1:] != ["timing"]:
+        table(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
+    timings()
 
 
 if __name__ == "__main__":

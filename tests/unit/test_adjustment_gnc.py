@@ -13,7 +13,8 @@ from navfix import catalog
 from navfix.adjustment import adjust
 from navfix.adjustment.adjust_case import adjust_case
 from navfix.adjustment.case import case_of
-from navfix.adjustment.dense import kernel_arguments, minimise, observation_weights, total_loss
+from navfix.adjustment.damped import kernel_arguments, observation_weights
+from navfix.adjustment.dense import minimise, total_loss
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network
 from navfix.adjustment.reliability import by_residual_sigma
 from navfix.adjustment.solve import solve

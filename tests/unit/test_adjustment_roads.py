@@ -10,10 +10,11 @@ import pytest
 
 from navfix import catalog
 from navfix.adjustment import graph
-from navfix.adjustment.dense import minimise, normal_matrix, observation_weights, total_loss
+from navfix.adjustment.damped import observation_weights
+from navfix.adjustment.dense import minimise, total_loss
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.solve import solve
-from navfix.adjustment.whitening import whitened
+from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.errors import Unobservable
 from tests.adjustment_scenes import mixed_network, plane_scene
 

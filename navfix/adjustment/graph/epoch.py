@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from navfix.adjustment.dense import own_sigma
+from navfix.adjustment.damped import own_sigma
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, effective_sigma, jacobian, residuals
 from navfix.adjustment.whitening import block_covariance
 from navfix.errors import Unobservable
