@@ -24,7 +24,14 @@ from navfix.catalog.hulls import (
 )
 from navfix.catalog.loading import build, data_folder, every_table, kinds, names, read_table, table
 from navfix.catalog.motion import FilterModel, PersistingModel, filter_model, motion_model, persisting_model
-from navfix.catalog.navigation import NavigatorModel, OwnMotionModel, navigator_model, own_motion_model
+from navfix.catalog.navigation import (
+    NavigatorModel,
+    OwnMotionModel,
+    RadarErrorsModel,
+    navigator_model,
+    own_motion_model,
+    radar_errors_model,
+)
 from navfix.catalog.radar import RadarModel, radar_model
 from navfix.catalog.tracking import (
     StitchingModel,
@@ -49,6 +56,7 @@ __all__ = [
     "OutlineModel",
     "OwnMotionModel",
     "PersistingModel",
+    "RadarErrorsModel",
     "RadarModel",
     "StitchingModel",
     "TrackAssociationModel",
@@ -75,6 +83,7 @@ __all__ = [
     "outline_model",
     "own_motion_model",
     "persisting_model",
+    "radar_errors_model",
     "radar_model",
     "read_table",
     "stitching_model",

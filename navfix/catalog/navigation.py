@@ -1,4 +1,4 @@
-"""Own ship over minutes: the navigator, and how she moves between fixes."""
+"""Own ship over minutes: the navigator, how she moves between fixes, and what is wrong with her radar meanwhile."""
 
 from __future__ import annotations
 
@@ -90,6 +90,28 @@ class OwnMotionModel:
     longest_bridge_s: float
 
 
+@dataclass(frozen=True, slots=True)
+class RadarErrorsModel:
+    """Constants of the errors of the whole radar over minutes (see models/radar_errors/default.toml)."""
+
+    name: str
+    title: str
+    source: str
+    memory_s: float
+    clock_walk: float
+    range_walk: float
+    clock_sigma_s: float
+    range_sigma_m: float
+    least_ships: float
+    least_marks: float
+    least_clock_share: float
+    least_range_share: float
+    probability: float
+    largest_s: float
+    largest_m: float
+    clock_slew: float
+
+
 def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:
     """Return the constants of the navigator by name in models/navigator, or the record itself."""
     return load("navigator", name, NavigatorModel)
@@ -98,3 +120,8 @@ def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:
 def own_motion_model(name: str | OwnMotionModel = "own_ship") -> OwnMotionModel:
     """Return how own ship moves between fixes, by name in models/own_motion, or the record itself."""
     return load("own_motion", name, OwnMotionModel)
+
+
+def radar_errors_model(name: str | RadarErrorsModel = "default") -> RadarErrorsModel:
+    """Return the constants of the radar's errors over minutes by name in models/radar_errors, or the record itself."""
+    return load("radar_errors", name, RadarErrorsModel)

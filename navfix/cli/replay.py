@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from navfix.report.answer import Answer
     from navfix.report.truth import TruthTrack
     from navfix.sequence import Navigator
-    from navfix.types import Epoch, Mark, ShipVeracity
+    from navfix.sequence.radar_errors import RadarErrorsOverTime
+    from navfix.types import Epoch, Mark, RadarErrors, ShipVeracity
 
 SUFFIXES = (".json",)
 VERACITY_SUFFIXES = (".txt", ".json")
@@ -39,6 +40,13 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         "--smooth",
         action="store_true",
         help="the whole log forward and backward: each scan's fix from minutes about it",
+    )
+    parser.add_argument(
+        "--radar-errors",
+        choices=("apply", "report", "off"),
+        default="apply",
+        help="the radar's clock and range bias, estimated over minutes: taken off where they are told from zero "
+        "(default), only reported, or not looked for",
     )
     options.add_truth(parser)
     parser.add_argument(
@@ -61,6 +69,7 @@ def run(args: argparse.Namespace) -> int:
     track, charted = inputs.truth_track(args), inputs.charted_marks(args)
     log = inputs.read_all(args, charted=bool(charted))
     lines, fixes, known, veracity = [], 0, 0, AisVeracity()
+    errors: RadarErrors | None = None
     for answer in _answers(log, args, track, charted):
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
@@ -69,6 +78,7 @@ def run(args: argparse.Namespace) -> int:
             if answer.fix.observations:  # a place carried forward has none
                 veracity.feed(answer.fix)
         known += answer.truth is not None
+        errors = answer.radar_errors or errors
         lines.append(render(answer, ".json").strip())
         print(lines[-1], flush=True)
     if not lines:
@@ -76,6 +86,8 @@ def run(args: argparse.Namespace) -> int:
     outputs.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
     truths = "" if track is None else f", {known} of them with a truth"
     print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
+    if errors is not None:
+        _tell_radar_errors(errors, windows=_in_windows(args))
     if args.veracity is not None:
         _write_veracity(args.veracity, veracity.ships())
     return OK if fixes else NO_FIX
@@ -106,24 +118,65 @@ def _solved(
     from navfix.sequence.answers import navigated
 
     navigator = None if args.independent else _navigator(args)
-    outlines = inputs.outlines(args)
+    outlines, errors = inputs.outlines(args), _radar_errors(args)
     kept: deque[Epoch] = deque()
+    last: Epoch | None = None
     for count, epoch in enumerate(epochs):
+        if _begins_anew(last, epoch):  # another recording in the same log: what was known does not hold
+            navigator, errors = None if navigator is None else _navigator(args), _radar_errors(args)
+            kept.clear()
+        last = epoch
         seen = solving.outlined(solving.as_asked(epoch, args), outlines)
-        wanted = count % every == 0
+        seen = seen if errors is None else errors.corrected(seen)
         if navigator is not None:
-            if not navigator.follows(seen):  # another recording begins in the same log: what was known does not hold
-                navigator = _navigator(args)
             navigator.feed(seen)
-            if wanted:
-                yield solving.finish(navigated(navigator, seen), args, track)
+        kept.append(seen)
+        solving.trim(kept, args.window or 0.0)
+        if count % every:
+            continue
+        if navigator is not None:
+            answer = solving.finish(navigated(navigator, seen), args, track)
         elif args.window is not None:
-            kept.append(seen)
-            solving.trim(kept, args.window)
-            if wanted:
-                yield solving.solve_window(tuple(kept), args, track)
-        elif wanted:
-            yield solving.solve(seen, args, track)
+            answer = solving.solve_window(tuple(kept), args, track)
+        else:
+            answer = solving.solve(seen, args, track)
+        yield answer if errors is None else _with_radar_errors(answer, errors)
+
+
+def _begins_anew(last: Epoch | None, epoch: Epoch) -> bool:
+    if last is None or last.time_utc is None or epoch.time_utc is None:
+        return False
+    return epoch.time_utc < last.time_utc
+
+
+def _radar_errors(args: argparse.Namespace) -> RadarErrorsOverTime | None:
+    """Return the estimator of --radar-errors; the clock is left to the windows wherever there are any."""
+    if args.radar_errors == "off":
+        return None
+    from navfix.sequence.radar_errors import RadarErrorsOverTime
+
+    return RadarErrorsOverTime(
+        windows=_in_windows(args), correct=args.radar_errors == "apply", radar=options.radar(args), kernel=args.kernel
+    )
+
+
+def _in_windows(args: argparse.Namespace) -> bool:
+    return not args.independent or args.window is not None or args.smooth
+
+
+def _tell_radar_errors(errors: RadarErrors, *, windows: bool) -> None:
+    from navfix.report.radar_errors import radar_errors_words
+
+    for line in radar_errors_words(errors, windows=windows):
+        print(f"navfix: {line}", file=sys.stderr)
+
+
+def _with_radar_errors(answer: Answer, errors: RadarErrorsOverTime) -> Answer:
+    """Feed the fix of an answer to the estimator, and return the answer with what it says now."""
+    from dataclasses import replace
+
+    errors.feed(answer.fix)
+    return replace(answer, radar_errors=errors.estimate())
 
 
 def _navigator(args: argparse.Namespace) -> Navigator:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from navfix.errors import InputError, NoFix
-from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Position, TrackState
+from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Position, RadarErrors, TrackState
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Answer:
     Exactly one of ``fix`` and ``error`` is set. ``timing_ms`` holds milliseconds by step ("epoch", "associate",
     "adjust"). ``notes`` are sentences for the reader of the report; ``cautions`` are those that he must not miss.
     ``dead_reckoning`` is where own ship should be by the fixes before, whatever this epoch says; ``track`` is what the
-    navigator knows of its place.
+    navigator knows of its place; ``radar_errors`` what minutes say of the radar's clock and ranges.
 
     Raises
     ------
@@ -49,6 +49,7 @@ class Answer:
     cautions: tuple[str, ...] = ()
     dead_reckoning: DeadReckoning | None = None
     track: TrackState | None = None
+    radar_errors: RadarErrors | None = None
 
     def __post_init__(self) -> None:
         if (self.fix is None) == (self.error is None):

@@ -11,6 +11,7 @@ from navfix.geodesy import inverse
 from navfix.report.answer import Answer, Truth
 from navfix.report.data_used import chart_to_dict, choice_to_dict
 from navfix.report.numbers import degrees, iso_utc, plain, plain_matrix
+from navfix.report.radar_errors import radar_errors_to_dict
 from navfix.types import (
     AdjustedObservation,
     Alternative,
@@ -44,7 +45,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
     """Return the object ``navfix.fix/1`` of an answer: plain numbers, strings, lists and None only.
 
     Beyond the keys of every fix it carries ``truth`` (null without a truth file), ``targets`` and ``marks`` (how many
-    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why), ``notes``, and two
+    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why), ``notes``, ``radar_errors`` (null where nobody looked), and two
     positions apart from the adjusted one: ``dead_reckoning`` by the fixes before, ``observed`` by matching the radar
     picture with the marks.
     """
@@ -58,6 +59,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "dead_reckoning": dead_reckoning_to_dict(answer.dead_reckoning),
         "observed": observed_to_dict(answer.fix),
         "track": track_to_dict(answer.track),
+        "radar_errors": radar_errors_to_dict(answer.radar_errors),
         "targets": None if answer.epoch is None else len(answer.epoch.targets),
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
         "chart": None if answer.epoch is None else chart_to_dict(answer.epoch.chart),

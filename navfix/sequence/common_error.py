@@ -1,69 +1,64 @@
-"""One error common to all observations of many fixes, with its sigma: what pose and noise cannot explain.
+"""Errors common to all observations of many fixes, with their sigma: what pose and noise cannot explain.
 
-Each fix gives l = A dx + a tau + noise: misclosures, design matrix, and the column of the common error. The pose is
-eliminated fix by fix; what is left of ``a`` adds up. Errors of one ship (its hull, its AIS antenna, its clock) last, so
-its contributions are one voice: the variance is taken from how the ships scatter (theory, eq. 13.10 to 13.13).
+Each fix gives l = A dx + a tau + noise: misclosures, design matrix, and a column for each common error. The pose is
+eliminated fix by fix; what is left of ``a`` adds up in a fading memory. Errors of one ship (its hull, its AIS antenna,
+its clock) last, so its contributions are one voice: the variance is that of leaving out one mark after the other
+(theory, eq. 13.10 and 13.11).
 """
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from navfix.geodesy import LocalPlane
-from navfix.types import AdjustedObservation, Fix, FloatArray, Mark, Position
+from navfix.types import AdjustedObservation, CommonError, Fix, FloatArray, Mark, Position
 
 Column = Callable[[AdjustedObservation, Mark, float, float], float]  # observation, its mark, range m, azimuth rad
 
+_CARRIES = 0.01  # of all information: a mark with less is no voice
+
 
 @dataclass(frozen=True, slots=True)
-class CommonError:
-    """An error common to many observations: value and 1 sigma, in its own unit.
+class Wanted:
+    """One common error: its derivative and what is asked of its estimate.
 
-    ``separable`` is the share of its information that pose unknowns leave, 0 .. 1; ``marks`` and ``fixes`` count what
-    it stands on; ``significant`` says whether it is told from zero at 95 %; ``reason`` why it is not used, if not.
+    ``column`` derivative of an observation [m or rad] by the error; ``sigma`` known beforehand; ``walk`` 1 sigma per
+    root of a second; ``least_marks`` that carry it; ``least_separable`` share of its information that the pose and the
+    other errors leave; ``missing`` says in words what is wrong where too few marks do.
     """
 
-    value: float
+    column: Column
     sigma: float
-    separable: float
-    marks: int
-    fixes: int
-    significant: bool
-    reason: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class _Share:
-    """What one fix says: per mark (information, misclosure sum), information before the pose was eliminated."""
-
-    time_s: float
-    by_mark: dict[str, tuple[float, float]]
-    whole: float
+    walk: float
+    least_marks: float
+    least_separable: float
+    missing: str
 
 
 class CommonErrors:
-    """Adds up fixes over a span of time.
+    """Adds up fixes in a memory that fades, and estimates k common errors together.
 
     Parameters
     ----------
-    column : derivative of an observation [m or rad] by the error
-    span_s : fixes older than this before the newest are forgotten
-    least_marks : fewer marks that carry information give no estimate
-    least_separable : below this share the error hides behind the pose
+    wanted : the errors
+    memory_s : information fades by 1/e in so many seconds
+    probability : two-sided, that a significant error is told from zero
     """
 
-    def __init__(self, column: Column, *, span_s: float, least_marks: int, least_separable: float) -> None:
-        self._column = column
-        self._span_s, self._least_marks, self._least_separable = span_s, least_marks, least_separable
-        self._shares: deque[_Share] = deque()
+    def __init__(self, wanted: Sequence[Wanted], *, memory_s: float, probability: float) -> None:
+        self._wanted, self._memory_s, self._probability = tuple(wanted), memory_s, probability
+        self._prior = np.diag([1.0 / w.sigma**2 for w in wanted])
+        self._voices: dict[str, _Voice] = {}
+        self._whole = np.zeros(len(wanted))
+        self._time_s = -math.inf
+        self._fixes = 0
 
-    def feed(self, fix: Fix, *, applied: float = 0.0) -> None:
-        """Take a fix, from whose data ``applied`` of the error was taken off.
+    def feed(self, fix: Fix, *, applied: Sequence[float]) -> None:
+        """Take a fix, from whose data ``applied`` of each error was taken off.
 
         A fix without an epoch or a time, or in a plane of its own, says nothing.
         """
@@ -71,51 +66,103 @@ class CommonErrors:
         if epoch is None or epoch.time_utc is None or not isinstance(fix.position, Position):
             return
         marks = {mark.label: mark for mark in epoch.marks}
-        share = _share_of(fix, fix.position, marks, self._column, applied, epoch.time_utc.timestamp())
-        if share is not None:
-            self._shares.append(share)
-        while self._shares and self._shares[-1].time_s - self._shares[0].time_s > self._span_s:
-            self._shares.popleft()
+        rows, labels = _rows(fix, fix.position, marks, [w.column for w in self._wanted], np.asarray(applied))
+        if len(rows) < 4:
+            return
+        self._fade(epoch.time_utc.timestamp())
+        self._fixes += 1
+        self._add(rows, labels)
 
-    def estimate(self) -> CommonError | None:
-        """Return the error with its sigma, None before any fix was fed."""
-        if not self._shares:
-            return None
-        marks: dict[str, list[float]] = {}
-        for share in self._shares:
-            for label, (information, total) in share.by_mark.items():
-                known = marks.setdefault(label, [0.0, 0.0])
-                known[0] += information
-                known[1] += total
-        N = sum(information for information, _ in marks.values())
-        whole = sum(share.whole for share in self._shares)
-        carrying = sum(information > 0.01 * N for information, _ in marks.values()) if N > 0.0 else 0
-        separable = N / whole if whole > 0.0 else 0.0
-        if separable < self._least_separable or carrying < self._least_marks:
-            return CommonError(0.0, math.inf, separable, carrying, len(self._shares), False, self._why(separable))
-        value = sum(total for _, total in marks.values()) / N
-        left = sum((total - information * value) ** 2 for information, total in marks.values())
-        sigma = math.sqrt(max(left * carrying / (carrying - 1.0) / N**2, 1.0 / N))
-        significant = abs(value) > student_quantile(0.975, carrying - 1) * sigma
-        reason = None if significant else "it is not told from zero"
-        return CommonError(value, sigma, separable, carrying, len(self._shares), significant, reason)
+    def estimate(self) -> tuple[CommonError, ...]:
+        """Return each error with its sigma; one that says nothing has its sigma from beforehand."""
+        voices = list(self._voices.values())
+        count = len(self._wanted)
+        N = sum((v.information for v in voices), np.zeros((count, count)))
+        u = sum((v.total for v in voices), np.zeros(count))
+        inverse = np.linalg.inv(N + self._prior)
+        value = inverse @ u
+        without = np.array([np.linalg.solve(N - v.information + self._prior, u - v.total) for v in voices])
+        spread = _jackknife(without.reshape(-1, count))
+        left = np.maximum(1.0 / np.diag(inverse) - np.diag(self._prior), 0.0)
+        found = []
+        for i, wanted in enumerate(self._wanted):
+            carried = np.array([v.information[i, i] for v in voices])
+            drift = wanted.walk**2 * self._memory_s / 2.0  # the estimate is a mean over the memory
+            sigma = math.sqrt(max(spread[i], inverse[i, i]) + drift)
+            separable = float(left[i] / self._whole[i]) if self._whole[i] > 0.0 else 0.0
+            found.append(self._judged(wanted, float(value[i]), sigma, separable, _voices(carried)))
+        return tuple(found)
 
-    def _why(self, separable: float) -> str:
-        if separable < self._least_separable:
-            return f"the position explains it as well: only {100.0 * separable:.0f} % of its information is left"
-        return f"it needs {self._least_marks} marks that show it"
+    def _judged(self, wanted: Wanted, value: float, sigma: float, separable: float, marks: float) -> CommonError:
+        observable, significant, reason = False, False, None
+        if marks < wanted.least_marks:
+            reason = f"{wanted.missing}; {wanted.least_marks:.0f} are the least"
+        elif separable < wanted.least_separable:
+            reason = f"the position explains it as well: {100.0 * separable:.0f} % of its information is left"
+        else:
+            observable = True
+            quantile = student_quantile((1.0 + self._probability) / 2.0, marks - 1.0)
+            significant = abs(value) > quantile * sigma
+            reason = None if significant else "it is not told from zero"
+        return CommonError(value, sigma, separable, marks, self._fixes, observable, significant, reason)
+
+    def _fade(self, time_s: float) -> None:
+        elapsed_s = max(time_s - self._time_s, 0.0) if math.isfinite(self._time_s) else 0.0
+        kept = math.exp(-elapsed_s / self._memory_s)
+        self._time_s = max(time_s, self._time_s)
+        self._whole *= kept
+        self._voices = {label: _Voice(v.information * kept, v.total * kept) for label, v in self._voices.items()}
+
+    def _add(self, rows: FloatArray, labels: Sequence[str]) -> None:
+        """Eliminate the pose of one fix; heading also takes a constant error of true bearings, as in the adjustment."""
+        A, a, misclosure = rows[:, :3], rows[:, 3:-1], rows[:, -1]
+        basis, _ = np.linalg.qr(A)
+        left = a - basis @ (basis.T @ a)
+        rest = misclosure - basis @ (basis.T @ misclosure)
+        self._whole += np.sum(a**2, axis=0)
+        for label in dict.fromkeys(labels):
+            own = np.array([label == other for other in labels])
+            voice = self._voices.get(label)
+            N, u = left[own].T @ left[own], left[own].T @ rest[own]
+            self._voices[label] = _Voice(N, u) if voice is None else _Voice(voice.information + N, voice.total + u)
 
 
-def student_quantile(probability: float, dof: int) -> float:
+@dataclass(frozen=True, slots=True, eq=False)
+class _Voice:
+    """What one mark says: information (k, k) and misclosure sum (k,)."""
+
+    information: FloatArray
+    total: FloatArray
+
+
+def student_quantile(probability: float, dof: float) -> float:
     """Return the quantile of Student's t."""
     from scipy.special import stdtrit
 
     return float(stdtrit(dof, probability))
 
 
-def _share_of(
-    fix: Fix, position: Position, marks: dict[str, Mark], column: Column, applied: float, time_s: float
-) -> _Share | None:
+def _jackknife(without: FloatArray) -> FloatArray:
+    """Return the variance (k,) of an estimate from its values (m, k) without one mark after the other."""
+    count = len(without)
+    if count < 2:
+        return np.full(without.shape[1], np.inf)
+    return np.asarray((count - 1.0) / count * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+
+
+def _voices(carried: FloatArray) -> float:
+    """Return how many marks carry the information: uneven shares count less (1 / sum of squared shares)."""
+    total = float(carried.sum())
+    if total <= 0.0:
+        return 0.0
+    shares = carried[carried > _CARRIES * total] / total
+    return float(shares.sum() ** 2 / np.sum(shares**2))
+
+
+def _rows(
+    fix: Fix, position: Position, marks: dict[str, Mark], columns: Sequence[Column], applied: FloatArray
+) -> tuple[FloatArray, list[str]]:
+    """Return the whitened rows (n, 3 + k + 1): design, columns of the errors, misclosure; and the mark of each."""
     rows, labels = [], []
     plane = LocalPlane(position)
     for o in fix.observations:
@@ -126,13 +173,11 @@ def _share_of(
         range_m, azimuth = math.hypot(north, east), math.atan2(east, north)
         unit = 1.0 if o.unit == "m" else math.radians(1.0)
         root = math.sqrt(o.weight) / (o.sigma * unit)
-        design = _design(o, range_m, azimuth)
-        a = column(o, mark, range_m, azimuth)
-        rows.append(root * np.array([*design, a, a * applied - o.residual * unit]))
+        a = np.array([column(o, mark, range_m, azimuth) for column in columns])
+        misclosure = float(a @ applied) - o.residual * unit
+        rows.append(root * np.array([*_design(o, range_m, azimuth), *a, misclosure]))
         labels.append(o.mark)
-    if len(rows) < 4:
-        return None
-    return _reduced(np.array(rows), labels, time_s)
+    return np.array(rows), labels
 
 
 def _design(o: AdjustedObservation, range_m: float, azimuth_rad: float) -> tuple[float, float, float]:
@@ -141,15 +186,3 @@ def _design(o: AdjustedObservation, range_m: float, azimuth_rad: float) -> tuple
     if o.kind == "range":
         return -cos, -sin, 0.0
     return sin / range_m, -cos / range_m, -1.0
-
-
-def _reduced(rows: FloatArray, labels: list[str], time_s: float) -> _Share:
-    """Eliminate the pose; heading also takes a constant error of true bearings, as the adjustment does."""
-    A, a, misclosure = rows[:, :3], rows[:, 3], rows[:, 4]
-    basis, _ = np.linalg.qr(A)
-    left = a - basis @ (basis.T @ a)
-    by_mark: dict[str, tuple[float, float]] = {}
-    for label, one, whole, value in zip(labels, left, a, misclosure, strict=True):
-        information, total = by_mark.get(label, (0.0, 0.0))
-        by_mark[label] = information + float(one * whole), total + float(one * value)
-    return _Share(time_s, by_mark, float(a @ a))

@@ -29,6 +29,7 @@ from navfix.types.observed import (
     TargetPoint,
 )
 from navfix.types.places import Hull, PlanePosition, Position
+from navfix.types.radar_errors import CommonError, RadarErrors
 from navfix.types.reckoned import DeadReckoning, ReckoningSource
 from navfix.types.track import TrackState, TrackStatus
 from navfix.types.verdicts import GnssVerdict, ShipVeracity, VeracityStatus, Verdict
@@ -39,6 +40,7 @@ __all__ = [
     "Association",
     "BearingReference",
     "ChartCheck",
+    "CommonError",
     "CovarianceScaling",
     "DeadReckoning",
     "Decision",
@@ -64,6 +66,7 @@ __all__ = [
     "PlanePosition",
     "Position",
     "PositionHint",
+    "RadarErrors",
     "RadarTarget",
     "ReckoningSource",
     "SecondGroup",

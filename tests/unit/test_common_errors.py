@@ -11,10 +11,11 @@ import pytest
 
 from navfix.adjustment import adjust
 from navfix.geodesy import direct, inverse
-from navfix.sequence.clock import ClockOffset, with_offset
-from navfix.sequence.radar_errors import RadarErrors
-from navfix.sequence.range_bias import RangeBias, with_bias
-from navfix.types import Association, Epoch, Fix, Mark, Position, RadarTarget
+from navfix.report.radar_errors import radar_errors_to_dict, radar_errors_words
+from navfix.sequence.clock import with_offset
+from navfix.sequence.radar_errors import RadarErrorsOverTime
+from navfix.sequence.range_bias import with_bias
+from navfix.types import Association, Epoch, Fix, GnssReport, Mark, Position, RadarErrors, RadarTarget
 
 OWN = Position(54.0, 8.0)
 START = datetime(2026, 3, 1, tzinfo=UTC)
@@ -29,6 +30,7 @@ def fixes(
     epochs: int = 40,
     ship_sigma_m: float = 15.0,
     speed_mps: float = 7.0,
+    step_s: float = 3.0,
 ) -> list[Fix]:
     """Fix own ship from the same ships again and again; each ship's echo keeps its own offset (hull)."""
     rng = np.random.default_rng(seed)
@@ -41,7 +43,7 @@ def fixes(
         marks, targets = [], []
         for i in range(len(azimuths)):
             start = direct(OWN, azimuths[i], ranges[i])
-            truth = direct(start, courses[i], speeds[i] * 3.0 * k)
+            truth = direct(start, courses[i], speeds[i] * step_s * k)
             marks.append(Mark(f"M{i}", truth, 20.0, speed_mps=float(speeds[i]), course_deg=float(courses[i])))
             echo = direct(truth, courses[i] + 180.0, speeds[i] * clock_s)
             echo = direct(echo, math.degrees(math.atan2(hull[i, 1], hull[i, 0])), math.hypot(*hull[i]))
@@ -51,7 +53,7 @@ def fixes(
             targets.append(
                 RadarTarget(f"{i:02d}", range_m + bias_m + noise[0], bearing, range_sigma_m=15.0, bearing_sigma_deg=0.4)
             )
-        epoch = Epoch(START + timedelta(seconds=3.0 * k), tuple(targets), tuple(marks))
+        epoch = Epoch(START + timedelta(seconds=step_s * k), tuple(targets), tuple(marks))
         pairs = [(i, i) for i in range(len(azimuths))]
         found.append(adjust(epoch, Association.from_pairs(epoch, pairs)))
     return found
@@ -61,57 +63,105 @@ RING = np.arange(0.0, 360.0, 36.0)
 SECTOR = np.linspace(-10.0, 10.0, 10)
 
 
-def estimated(kind, found: list[Fix]):
-    estimator = kind()
+def estimated(found: list[Fix]) -> RadarErrors:
+    errors = RadarErrorsOverTime()
     for fix in found:
-        estimator.feed(fix)
-    return estimator
+        errors.feed(fix)
+    return errors.estimate()
 
 
-@pytest.mark.parametrize("clock_s", [-7.0, 4.0])
-def test_moving_ships_tell_the_radar_clock_and_the_marks_are_set_back(clock_s: float):
-    found = fixes(3, azimuths_deg=RING, clock_s=clock_s, epochs=8)
-    clock = estimated(ClockOffset, found)
-    answer = clock.estimate()
-    assert answer.value == pytest.approx(clock_s, abs=3.0 * answer.sigma)
-    assert answer.significant
-    assert answer.sigma < 1.5
-    before = [inverse(OWN, f.position)[0] for f in found]
-    again = []
-    for fix in found:
-        epoch = with_offset(fix.epoch, clock.offset_s)
-        again.append(inverse(OWN, adjust(epoch, Association.from_pairs(epoch, fix.association.pairs)).position)[0])
-    assert np.median(again) < np.median(before)
+def again(fix: Fix, epoch: Epoch) -> Fix:
+    """Return the fix of the same pairs in a corrected epoch."""
+    return adjust(epoch, Association.from_pairs(epoch, fix.association.pairs))
+
+
+@pytest.mark.parametrize(("clock_s", "bias_m"), [(-7.0, 60.0), (6.0, -80.0)])
+def test_a_ring_of_moving_ships_tells_clock_and_range_bias_together(clock_s: float, bias_m: float):
+    found = estimated(fixes(3, azimuths_deg=RING, clock_s=clock_s, bias_m=bias_m, epochs=8))
+    assert found.clock.value == pytest.approx(clock_s, abs=3.0 * found.clock.sigma)
+    assert found.ranges.value == pytest.approx(bias_m, abs=3.0 * found.ranges.sigma)
+    assert found.clock.significant
+    assert found.ranges.significant
+    assert found.clock.sigma < 2.0
+    assert found.ranges.sigma < 20.0
 
 
 def test_ships_that_lie_still_say_nothing_of_the_clock():
-    answer = estimated(ClockOffset, fixes(4, azimuths_deg=RING, clock_s=-7.0, epochs=3, speed_mps=0.2)).estimate()
-    assert not answer.significant
-    assert answer.sigma == math.inf
+    found = estimated(fixes(4, azimuths_deg=RING, clock_s=-7.0, bias_m=100.0, epochs=3, speed_mps=0.2))
+    assert not found.clock.observable
+    assert "too few ships move" in found.clock.reason
+    assert found.ranges.significant
 
 
-def test_the_sigma_of_the_clock_holds_the_truth_as_often_as_it_says():
-    """Offsets that stay with a ship are no fresh evidence in every scan: 30 runs without any clock offset."""
-    answers = [estimated(ClockOffset, fixes(s, azimuths_deg=RING, epochs=2)).estimate() for s in range(30)]
-    assert sum(a.significant for a in answers) <= 4
-    spread = np.std([a.value / a.sigma for a in answers])
-    assert 0.6 < spread < 1.6
+def test_the_sigmas_hold_the_truth_as_often_as_they_say():
+    """Offsets that stay with a ship are no fresh evidence in every scan: 40 runs without any error of the radar."""
+    answers = [estimated(fixes(s, azimuths_deg=RING, epochs=2)) for s in range(40)]
+    assert sum(a.clock.significant for a in answers) <= 2
+    assert sum(a.ranges.significant for a in answers) <= 2
+    for values in ([a.clock.value / a.clock.sigma for a in answers], [a.ranges.value / a.ranges.sigma for a in answers]):
+        assert 0.5 < np.std(values) < 1.3
 
 
-def test_a_ring_of_marks_tells_the_range_bias_from_the_position():
-    answer = estimated(RangeBias, fixes(5, azimuths_deg=RING, bias_m=60.0, epochs=8)).estimate()
-    assert answer.significant
-    assert answer.separable > 0.5
-    assert answer.value == pytest.approx(60.0, abs=3.0 * answer.sigma)
+def test_a_sector_tells_no_range_bias_and_says_so():
+    found = estimated(fixes(6, azimuths_deg=SECTOR, bias_m=60.0, epochs=5)).ranges
+    assert not found.observable
+    assert found.separable < 0.1
+    assert "position explains it" in found.reason
 
 
-def test_a_sector_does_not_and_says_so():
-    estimator = estimated(RangeBias, fixes(6, azimuths_deg=SECTOR, bias_m=60.0, epochs=5))
-    answer = estimator.estimate()
-    assert not answer.significant
-    assert answer.separable < 0.1
-    assert "position explains it" in answer.reason
-    assert estimator.bias_m == 0.0
+def test_three_ships_of_which_one_tells_nearly_all_are_too_few():
+    found = estimated(fixes(5, azimuths_deg=[0.0, 120.0, 240.0], bias_m=60.0, epochs=3))
+    assert not found.ranges.observable
+    assert found.ranges.marks < 3.0
+
+
+def test_an_error_that_changes_is_followed():
+    """Half an hour without a range bias, half an hour with one: the memory fades."""
+    errors = RadarErrorsOverTime()
+    before = fixes(11, azimuths_deg=RING, epochs=15, step_s=120.0, speed_mps=0.0)
+    after = fixes(11, azimuths_deg=RING, epochs=30, step_s=120.0, speed_mps=0.0, bias_m=90.0)[15:]
+    for fix in [*before, *after]:
+        errors.feed(fix)
+    found = errors.estimate().ranges
+    assert found.value == pytest.approx(90.0, abs=3.0 * found.sigma)
+    assert found.sigma < 20.0
+
+
+def test_what_is_taken_off_is_counted_in_the_estimate_and_told():
+    errors, off, applied = RadarErrorsOverTime(), [], []
+    for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=12):
+        better = again(fix, errors.corrected(fix.epoch))
+        off.append(inverse(OWN, better.position)[0])
+        errors.feed(better)
+        applied.append(errors.estimate().clock.applied)
+    found = errors.estimate()
+    assert found.clock.value == pytest.approx(-6.0, abs=3.0 * found.clock.sigma)
+    assert found.ranges.value == pytest.approx(80.0, abs=3.0 * found.ranges.sigma)
+    assert np.abs(np.diff(applied)).max() <= 1.5 + 1e-9, "the clock is slewed, time must not run backward"
+    told = radar_errors_words(found)
+    assert told[0].startswith("radar clock minus AIS clock: -")
+    assert told[0].endswith("taken off")
+    assert told[1].startswith("radar range bias: +")
+    assert radar_errors_to_dict(found)["range"]["applied_m"] == pytest.approx(found.ranges.applied, rel=1e-6)
+
+
+def test_windows_keep_their_own_clock_and_only_ranges_are_corrected():
+    errors = RadarErrorsOverTime(windows=True)
+    for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=8):
+        errors.feed(again(fix, errors.corrected(fix.epoch)))
+    found = errors.estimate()
+    assert found.clock.significant
+    assert found.clock.applied == 0.0
+    assert found.ranges.applied == pytest.approx(80.0, abs=30.0)
+    assert "left to the windows" in radar_errors_words(found, windows=True)[0]
+
+
+def test_only_reported_means_untouched():
+    errors = RadarErrorsOverTime(correct=False)
+    for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=8):
+        assert errors.corrected(fix.epoch) is fix.epoch
+        errors.feed(fix)
+    assert errors.estimate().ranges.significant
 
 
 def test_the_bias_is_taken_off_all_ranges_and_nothing_else():
@@ -119,38 +169,26 @@ def test_the_bias_is_taken_off_all_ranges_and_nothing_else():
     less = with_bias(epoch, 25.0)
     assert [t.range_m for t in less.targets] == pytest.approx([t.range_m - 25.0 for t in epoch.targets])
     assert with_bias(epoch, 0.0) is epoch
+
+
+def test_the_clock_sets_moving_marks_back_and_makes_the_gnss_less_sure():
+    epoch = replace(fixes(7, azimuths_deg=RING, epochs=1)[0].epoch, gnss=GnssReport(OWN, 5.0))
+    mark, moved = epoch.marks[0], with_offset(epoch, 4.0)
+    way_m, course_deg = inverse(moved.marks[0].position, mark.position)
+    assert way_m == pytest.approx(4.0 * mark.speed_mps, rel=1e-6)
+    assert course_deg % 360.0 == pytest.approx(mark.course_deg, abs=0.01)
+    assert moved.time_utc == epoch.time_utc - timedelta(seconds=4.0)
+    assert moved.gnss.sigma_m == pytest.approx(math.hypot(5.0, 32.0))
     assert with_offset(epoch, 0.0) is epoch
 
 
-def test_before_any_fix_there_is_no_estimate_and_nothing_is_applied():
-    assert ClockOffset().estimate() is None
-    assert ClockOffset().offset_s == 0.0
-    assert RangeBias().bias_m == 0.0
-    lone = RangeBias()
-    lone.feed(replace(fixes(8, azimuths_deg=RING, epochs=1)[0], epoch=None))
-    assert lone.estimate() is None
-
-
-def test_what_is_taken_off_is_counted_in_the_estimate_and_told():
-    errors, off = RadarErrors(), []
-    for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=8):
-        epoch = errors.corrected(fix.epoch)
-        again = adjust(epoch, Association.from_pairs(epoch, fix.association.pairs))
-        off.append(inverse(OWN, again.position)[0])
-        errors.feed(again)
-    clock, ranges = errors.clock.estimate(), errors.ranges.estimate()
-    assert clock.value == pytest.approx(-6.0, abs=3.0 * clock.sigma)
-    assert ranges.value == pytest.approx(80.0, abs=3.0 * ranges.sigma)
-    assert errors.clock.offset_s == clock.value
-    told = errors.notes()
-    assert "radar clock minus AIS: -" in told[0]
-    assert told[0].endswith("applied")
-    assert "range bias: +" in told[1]
-    assert RadarErrors().notes()[0] == "radar clock minus AIS: no fix yet"
-
-
-def test_an_error_that_cannot_be_seen_is_told_as_such():
-    errors = RadarErrors()
-    for fix in fixes(6, azimuths_deg=SECTOR, bias_m=60.0, epochs=2):
-        errors.feed(fix)
-    assert errors.notes()[1].startswith("range bias: not observable (the position explains it")
+def test_before_any_fix_nothing_is_known_and_nothing_applied():
+    errors = RadarErrorsOverTime()
+    errors.feed(None)
+    errors.feed(replace(fixes(8, azimuths_deg=RING, epochs=1)[0], epoch=None))
+    found = errors.estimate()
+    assert not found.clock.observable
+    assert found.ranges.fixes == 0
+    assert radar_errors_to_dict(found)["clock"]["value_s"] is None
+    assert radar_errors_words(found)[1].startswith("radar range bias: not observable (too few marks")
+    assert radar_errors_to_dict(None) is None

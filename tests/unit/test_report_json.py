@@ -22,6 +22,7 @@ KEYS = {
     "timing_ms",
 }  # fmt: skip
 EXTRA_KEYS = {
+    "radar_errors",
     "truth",
     "targets",
     "marks",
