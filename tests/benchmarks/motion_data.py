@@ -38,7 +38,7 @@ CLASS_B_GAP_S = 27.0  # class B reports every 30 s under way: tells the class wh
 class Track:
     """The reports of one station in one log, by the time at which they held; ``moves`` as the picture decides.
 
-    ``scatter_s`` is the sigma of these times where they had to be those of the reception.
+    ``station`` tells the tracks of one log apart; ``scatter_s`` is the sigma of these times where they had to be those of the reception.
     """
 
     log: str
@@ -46,6 +46,7 @@ class Track:
     points: tuple[Point, ...]
     moves: tuple[bool, ...]
     scatter_s: float = 0.0
+    station: int = 0
 
 
 def real_tracks() -> list[Track]:
@@ -67,9 +68,9 @@ def _of_log(path: Path) -> Iterator[Track]:
             motion = report.speed_mps, report.course_deg, report.turn_rate_deg_per_min
             point = Point(time_s, report.lat_deg, report.lon_deg, *motion)
             stations.setdefault(report.mmsi, []).append((point, not is_still(report), report.ais_class or "A"))
-    for rows in stations.values():
+    for station, rows in stations.items():
         track = _track(path.name, rows[0][2], [(point, moves) for point, moves, _ in rows])
-        yield replace(track, scatter_s=clock.scatter_s)
+        yield replace(track, scatter_s=clock.scatter_s, station=station)
 
 
 def _of_table(path: Path) -> Iterator[Track]:
@@ -82,9 +83,10 @@ def _of_table(path: Path) -> Iterator[Track]:
             place = float(row["Latitude_degrees"]), float(row["Longitude_degrees"])
             point = Point(time_s, *place, speed, None if course >= 360.0 else course)
             stations.setdefault(row["MMSI"], []).append((point, speed is not None and knots > 1.0))
-    for rows in stations.values():
+    for station, rows in stations.items():
         gaps = [gap for gap in np.diff(sorted(p.time_s for p, _ in rows)) if gap > 1.0]
-        yield _track("Solent", "B" if len(gaps) > 3 and np.percentile(gaps, 15) >= CLASS_B_GAP_S else "A", rows)
+        is_b = len(gaps) > 3 and np.percentile(gaps, 15) >= CLASS_B_GAP_S
+        yield replace(_track("Solent", "B" if is_b else "A", rows), station=int(station))
 
 
 def _track(log: str, ais_class: str, rows: Sequence[tuple[Point, bool]]) -> Track:
@@ -98,7 +100,7 @@ def _track(log: str, ais_class: str, rows: Sequence[tuple[Point, bool]]) -> Trac
 def simulated_tracks(count: int, seed: int) -> list[Track]:
     """Return ships that run straight, turn, and change speed in turns, reporting as class A does, GNSS 3 m."""
     rng = np.random.default_rng(seed)
-    return [_simulated(rng) for _ in range(count)]
+    return [replace(_simulated(rng), station=number) for number in range(count)]
 
 
 def _simulated(rng: np.random.Generator) -> Track:
