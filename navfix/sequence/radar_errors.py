@@ -48,7 +48,9 @@ class RadarErrorsOverTime:
         ships = "too few ships move"
         wanted = (
             Wanted(clock.column, m.clock_sigma_s, m.clock_walk, m.least_ships, m.least_clock_share, ships),
-            Wanted(range_bias.column, m.range_sigma_m, m.range_walk, m.least_marks, m.least_range_share, "too few marks"),
+            Wanted(
+                range_bias.column, m.range_sigma_m, m.range_walk, m.least_marks, m.least_range_share, "too few marks"
+            ),
         )
         self._errors = CommonErrors(wanted, memory_s=m.memory_s, probability=m.probability)
         self._offset_s = self._bias_m = 0.0

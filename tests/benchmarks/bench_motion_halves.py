@@ -52,7 +52,9 @@ def errors_m(chosen: Sequence[Sample], constants: PersistingModel, step: Step) -
         steers = steering(sample.past, constants)
         assert steers is not None, "moving samples tell speed and course"
         north_m, east_m = step(constants, steers, sample.left_out.time_s - float(sample.past.time_s[0]))
-        origin = replace(sample.left_out, time_s=-1.0, lat_deg=sample.past.origin.lat_deg, lon_deg=sample.past.origin.lon_deg)
+        origin = replace(
+            sample.left_out, time_s=-1.0, lat_deg=sample.past.origin.lat_deg, lon_deg=sample.past.origin.lon_deg
+        )
         there = history([replace(sample.left_out, time_s=0.0), origin])
         found.append(math.hypot(there.north_m[1] + north_m, there.east_m[1] + east_m))
     return np.array(found)
@@ -67,7 +69,12 @@ def loss(chosen: Sequence[Sample], constants: PersistingModel) -> float:
 def chosen_constants(used: Sequence[Sample]) -> PersistingModel:
     """Return constants chosen on a half, from a start that knows nothing: no turn, no change of speed goes on."""
     best = replace(
-        persisting_model(), turn_persist_s=0.1, reported_turn_share=0.0, speed_persist_s=0.1, way_persist_s=1e9, lag_s=0.0
+        persisting_model(),
+        turn_persist_s=0.1,
+        reported_turn_share=0.0,
+        speed_persist_s=0.1,
+        way_persist_s=1e9,
+        lag_s=0.0,
     )
     lowest = loss(used, best)
     for key, values in VALUES.items():

@@ -29,7 +29,13 @@ def test_study_of_gain_and_false_alarms(clock_s: float, bias_m: float) -> None:
     seeds = range(1, 13)
     left, taken = ([passage(s, clock_s=clock_s, bias_m=bias_m, correct=c) for s in seeds] for c in (False, True))
     pulls = np.array(
-        [((t.radar.clock.value - clock_s) / t.radar.clock.sigma, (t.radar.ranges.value - bias_m) / t.radar.ranges.sigma) for t in taken]
+        [
+            (
+                (t.radar.clock.value - clock_s) / t.radar.clock.sigma,
+                (t.radar.ranges.value - bias_m) / t.radar.ranges.sigma,
+            )
+            for t in taken
+        ]
     )
     applied = np.array([(t.radar.clock.applied != 0.0, t.radar.ranges.applied != 0.0) for t in taken]).sum(axis=0)
     held = [100.0 * np.mean([h for one in found for h in one.held]) for found in (left, taken)]

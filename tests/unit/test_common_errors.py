@@ -98,7 +98,10 @@ def test_the_sigmas_hold_the_truth_as_often_as_they_say():
     answers = [estimated(fixes(s, azimuths_deg=RING, epochs=2)) for s in range(40)]
     assert sum(a.clock.significant for a in answers) <= 2
     assert sum(a.ranges.significant for a in answers) <= 2
-    for values in ([a.clock.value / a.clock.sigma for a in answers], [a.ranges.value / a.ranges.sigma for a in answers]):
+    for values in (
+        [a.clock.value / a.clock.sigma for a in answers],
+        [a.ranges.value / a.ranges.sigma for a in answers],
+    ):
         assert 0.5 < np.std(values) < 1.3
 
 
