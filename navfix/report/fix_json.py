@@ -45,9 +45,9 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
     """Return the object ``navfix.fix/1`` of an answer: plain numbers, strings, lists and None only.
 
     Beyond the keys of every fix it carries ``truth`` (null without a truth file), ``targets`` and ``marks`` (how many
-    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why), ``notes``, ``radar_errors`` (null where nobody looked), and two
-    positions apart from the adjusted one: ``dead_reckoning`` by the fixes before, ``observed`` by matching the radar
-    picture with the marks.
+    the epoch holds), ``chart`` (null without one), ``choice`` (which data are used and why), ``notes``,
+    ``radar_errors`` (null where nobody looked), and two positions apart from the adjusted one: ``dead_reckoning`` by
+    the fixes before, ``observed`` by matching the radar picture with the marks.
     """
     body = no_fix_to_dict(answer.error) if answer.fix is None else fix_to_dict(answer.fix)
     return body | {

@@ -38,7 +38,8 @@ CLASS_B_GAP_S = 27.0  # class B reports every 30 s under way: tells the class wh
 class Track:
     """The reports of one station in one log, by the time at which they held; ``moves`` as the picture decides.
 
-    ``station`` tells the tracks of one log apart; ``scatter_s`` is the sigma of these times where they had to be those of the reception.
+    ``station`` tells the tracks of one log apart; ``scatter_s`` is the sigma of these times where they had to be those
+    of the reception.
     """
 
     log: str
