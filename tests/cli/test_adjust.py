@@ -184,12 +184,37 @@ def test_the_page_of_the_textbook_report_is_whole_and_needs_nothing_else(tmp_pat
     text = page.read_text(encoding="utf-8")
     for word in (
         "Decision matrix", "First step", "Cofactors of the unknowns", "Cofactors of the residuals", "external m",
-        "classical", "Huber", "Hampel", "Danish", "146.3", "no fix:",
+        "classical", "Huber", "Hampel", "Danish", "146.3", "no fix:", "<svg", "global test", "FAILED",
     ):  # fmt: skip
         assert word in text, word
+    assert text.index("ellipse 95 %") < text.index("First step")  # the result first, then how it was found
     assert not any(word in text for word in ("http:", "https:", "src=", "<script", "@import"))
     body = text.replace("<!DOCTYPE html>", "").replace('<meta charset="utf-8">', "")
     ElementTree.fromstring(re.sub(r"<meta [^>]*>", "", body))
+
+
+def test_the_page_gives_each_row_its_unit_and_marks_what_was_damped_and_left_out(tmp_path: Path) -> None:
+    """The second mark's range is 400 m off, one bearing is left out by the decision matrix."""
+    more = [("D", 4000.0, -4000.0, 5656.9, 295.0), ("E", -5000.0, 3000.0, 5831.0, 129.04)]
+    marks = [*RELATIVE["marks"], *({"label": d, "north_m": n, "east_m": e} for d, n, e, _, _ in more)]  # type: ignore[misc]
+    observations = [dict(o) for o in RELATIVE["observations"]]  # type: ignore[attr-defined]
+    for label, _, _, reach_m, bearing_deg in more:
+        observations.append({"mark": label, "kind": "range", "value": reach_m, "sigma": 20.0})
+        observations.append({"mark": label, "kind": "relative_bearing", "value": bearing_deg, "sigma": 0.5})
+    observations[2]["value"] += 400.0
+    observations[-1]["use"] = False
+    page = tmp_path / "x.html"
+    case = {**RELATIVE, "marks": marks, "observations": observations}
+    assert main(["adjust", written(tmp_path, case), "--out", str(page)]) == 0
+    text = page.read_text(encoding="utf-8")
+    table = text[text.index("<h2>Observations") : text.index("<h2>Side by side")]
+    rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in re.findall(r"<tr class.*?</tr>", table)]
+    assert {(row[1], row[2]) for row in rows} == {("range", "m"), ("rel. brg", "deg")}
+    assert table.count('<tr class="out">') == 1
+    assert table.count('<tr class="damped">') == 2
+    assert "bad" in table
+    assert 'class="sight damped"' in text
+    assert not re.search(r">-0(\.0*)?<", text)
 
 
 def test_a_case_in_utm_is_shown_on_wgs84_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
