@@ -12,8 +12,9 @@ import pytest
 from navfix import catalog
 from navfix.adjustment import graph
 from navfix.adjustment.window import adjust_window, solve_window
+from navfix.adjustment.window.components import expected_components
 from navfix.adjustment.window.problem import sightings_of, window_of
-from navfix.adjustment.window.rows import COMPONENTS, Plan
+from navfix.adjustment.window.rows import COMPONENTS, NEW_BEARING, NEW_RANGE, STEADY_BEARING, STEADY_RANGE, Plan
 from navfix.adjustment.window.start import initial_state
 from navfix.errors import InputError, NoFix, TooFewPairs
 from navfix.geodesy import LocalPlane, inverse
@@ -80,6 +81,30 @@ def test_derivatives_are_those_of_the_residuals(reference: str) -> None:
         step[column] = 1e-5
         up, down = (plan.rows(state + sign * step, np.ones(COMPONENTS)).residual for sign in (1.0, -1.0))
         assert np.allclose((up - down) / 2e-5, dense[:, column], rtol=2e-5, atol=2e-5)
+
+
+def test_of_the_stated_total_what_is_not_new_in_every_scan_is_expected_to_stay() -> None:
+    model = replace(catalog.adjustment_model(), steady_share=0.5, least_steady_share=0.1)
+    components = np.ones(COMPONENTS)
+    components[NEW_RANGE], components[NEW_BEARING] = 2.0, 0.4  # all of the variance is new; a fifth of it is
+    expected = expected_components(components, model)
+    assert expected[STEADY_RANGE] == pytest.approx(0.2)
+    assert expected[STEADY_BEARING] == pytest.approx(1.6)
+    components[NEW_RANGE] = 8.0  # twice the sigma that is stated, and all of it new
+    assert expected_components(components, model)[STEADY_RANGE] == pytest.approx(0.8)
+    assert np.all(expected_components(components, replace(model, steady_share=0.0)) == 1.0)
+
+
+def test_the_ellipse_follows_how_much_of_the_error_stays() -> None:
+    inside: dict[float, list[float]] = {0.0: [], 0.8: []}
+    for steady, squared in inside.items():
+        for seed in range(12):
+            p = scene(200 + seed, targets=10, errors=Errors(bearing_deg=1.0, steady=steady), reach_m=(2e3, 15e3))
+            fix = adjust_window(p.epochs, p.pairs, solver="dense")
+            error = p.error(fix.position)
+            squared.append(float(error @ np.linalg.solve(fix.covariance[:2, :2], error)))
+    assert 0.8 < np.mean(inside[0.0]) < 4.0, "2 where the covariance is right"
+    assert 0.8 < np.mean(inside[0.8]) < 4.0
 
 
 def test_wrong_marks_are_named_and_do_not_move_the_fix() -> None:

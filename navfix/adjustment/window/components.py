@@ -19,6 +19,7 @@ from navfix.adjustment.window.rows import (
     STEADY_RANGE,
     TURN,
 )
+from navfix.catalog import AdjustmentModel
 from navfix.types import FloatArray, IntArray
 
 _FEWEST_NEIGHBOURS = 30
@@ -57,8 +58,8 @@ def _summed(component: IntArray, values: FloatArray) -> FloatArray:
 def with_components(damper: Damper, descended: Descended) -> Judged:
     """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (10.8).
 
-    Each component starts at 1 with ``prior_dof`` degrees of freedom behind it, so that few residuals change little.
-    Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those of the
+    ``prior_dof`` degrees of freedom stand behind what each component is expected to be, so that few residuals change
+    little. Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those of the
     scan before count for fewer observations: their variance grows by (1 + rho) / (1 - rho).
     """
     model = damper.plan.window.model
@@ -77,11 +78,27 @@ def with_components(damper: Damper, descended: Descended) -> Judged:
 def _estimated(found: Judged) -> FloatArray:
     model, before = found.damper.plan.window.model, found.damper.components
     prior = model.prior_dof
-    components = (prior + before * found.squared) / (prior + found.redundancy)
+    components = (prior * expected_components(before, model) + before * found.squared) / (prior + found.redundancy)
     components = np.clip(components, model.smallest_component, model.largest_component)
     components[[TURN, MOVE]] = np.maximum(components[[TURN, MOVE]], 1.0)
     components[GIVEN] = 1.0
     return np.asarray(components)
+
+
+def expected_components(components: FloatArray, model: AdjustmentModel) -> FloatArray:
+    """Return what each component is expected to be: 1, and for what stays with a track the rest of the stated total.
+
+    A radar's sigma states the total of what stays and what is new. What is new shows in hundreds of sightings, what
+    stays in a few tracks: so the total less what is new is expected to stay, and at least ``least_steady_share`` of
+    the larger of the two; eq. (10.8a).
+    """
+    expected = np.ones(COMPONENTS)
+    share = model.steady_share
+    if share > 0.0:
+        new = (1.0 - share) * components[[NEW_RANGE, NEW_BEARING]]
+        left = np.maximum(1.0 - new, model.least_steady_share * np.maximum(1.0, new))
+        expected[[STEADY_RANGE, STEADY_BEARING]] = left / share
+    return expected
 
 
 def _memory(found: Judged) -> FloatArray:
@@ -109,7 +126,8 @@ def _memory(found: Judged) -> FloatArray:
 def reference_deviation(found: Judged) -> tuple[float, float]:
     """Return sigma0 of the errors that stay, and its degrees of freedom with those of the priors; eq. (10.9)."""
     stays = [STEADY_RANGE, STEADY_BEARING, OFFSET]
-    prior = found.damper.plan.window.model.prior_dof
-    dof = float(np.sum(prior + found.redundancy[stays]))
-    squared = float(np.sum(prior / found.damper.components[stays] + found.squared[stays]))
+    model, components = found.damper.plan.window.model, found.damper.components
+    expected = expected_components(components / found.memory, model)
+    dof = float(np.sum(model.prior_dof + found.redundancy[stays]))
+    squared = float(np.sum(model.prior_dof * (expected / components)[stays] + found.squared[stays]))
     return math.sqrt(squared / dof), dof
