@@ -100,30 +100,40 @@ class Polar(NamedTuple):
         terms[:, 5], terms[:, 6] = bend_a * turn, bend_b * turn + per_m
         terms[:, 7], terms[:, 8], terms[:, 9] = wa, wb, weights * turn
         terms[:, 10], terms[:, 11] = turning, turning + bend * turn**2
-        return _assembled(_sums(terms, seen.direction))
+        found = (terms @ _waves(seen.direction)).reshape(len(weights), -1) @ _ASSEMBLY
+        return found[:, :3], found[:, 3:6], found[:, 6:].reshape(-1, 3, 3)
 
 
-def _sums(terms: FloatArray, direction: ComplexArray) -> FloatArray:
-    """Return the sums over the targets of each of k terms times 1, cos t, sin t, cos 2t, sin 2t: (5, k, s)."""
+def _waves(direction: ComplexArray) -> FloatArray:
+    """Return 1, cos t, sin t, cos 2t, sin 2t of each direction, (s, g, 5)."""
     double = direction * direction
     waves = np.empty((*direction.shape, 5))
     waves[..., 0] = 1.0
     waves[..., 1], waves[..., 2] = direction.real, direction.imag
     waves[..., 3], waves[..., 4] = double.real, double.imag
-    return np.asarray((terms @ waves).T)
+    return waves
 
 
-def _assembled(sums: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Turn the sums from along and across each line of sight into north and east: gradient, diagonal, newton."""
-    one, cos, sin, cos2, sin2 = sums
-    gradient, diagonal = np.empty((one.shape[1], 3)), np.empty((one.shape[1], 3))
-    newton = np.empty((one.shape[1], 3, 3))
-    gradient[:, 0], gradient[:, 1], gradient[:, 2] = sin[8] - cos[7], -sin[7] - cos[8], -one[9]
-    half, apart = 0.5 * (one[0] + one[1]), 0.5 * (cos2[0] - cos2[1])
-    diagonal[:, 0], diagonal[:, 1], diagonal[:, 2] = half + apart, half - apart, one[10]
-    half, apart = 0.5 * (one[2] + one[3]), 0.5 * (cos2[2] - cos2[3]) - sin2[4]
-    newton[:, 0, 0], newton[:, 1, 1], newton[:, 2, 2] = half + apart, half - apart, one[11]
-    newton[:, 0, 1] = newton[:, 1, 0] = 0.5 * (sin2[2] - sin2[3]) + cos2[4]
-    newton[:, 0, 2] = newton[:, 2, 0] = cos[5] - sin[6]
-    newton[:, 1, 2] = newton[:, 2, 1] = sin[5] + cos[6]
-    return gradient, diagonal, newton
+def _assembly() -> FloatArray:
+    """Return what turns the sums of 12 terms times 5 waves into gradient (3), diagonal (3) and second derivative (9).
+
+    Along and across each line of sight become north and east: a symmetric matrix (p, q; q, r) in the sight's axes is
+    ((p + r) / 2 + D, ne; ne, (p + r) / 2 - D), D = (p - r) / 2 cos 2t - q sin 2t, ne = (p - r) / 2 sin 2t + q cos 2t.
+    """
+    one, cos, sin, cos2, sin2 = range(5)
+    gradient = [{(7, cos): -1.0, (8, sin): 1.0}, {(7, sin): -1.0, (8, cos): -1.0}, {(9, one): -1.0}]
+    gauss = {(0, one): 0.5, (1, one): 0.5}
+    diagonal = [gauss | {(0, cos2): x, (1, cos2): -x} for x in (0.5, -0.5)] + [{(10, one): 1.0}]
+    full = {(2, one): 0.5, (3, one): 0.5}
+    nn, ee = (full | {(2, cos2): x, (3, cos2): -x, (4, sin2): -2.0 * x} for x in (0.5, -0.5))
+    ne, nh = {(2, sin2): 0.5, (3, sin2): -0.5, (4, cos2): 1.0}, {(5, cos): 1.0, (6, sin): -1.0}
+    eh, hh = {(5, sin): 1.0, (6, cos): 1.0}, {(11, one): 1.0}
+    columns = [*gradient, *diagonal, nn, ne, nh, ne, ee, eh, nh, eh, hh]
+    table = np.zeros((12, 5, len(columns)))
+    for column, entries in enumerate(columns):
+        for (term, wave), factor in entries.items():
+            table[term, wave, column] = factor
+    return table.reshape(60, len(columns))
+
+
+_ASSEMBLY = _assembly()
