@@ -151,14 +151,17 @@ def random(count: int) -> Iterator[str]:
                 decision.reason is None,
                 row_is_right(made, found, scene, 0),
                 found.answers.ships[0],
+                seed,
             )
         )
     table = np.array(rows, dtype=np.float64)
-    predicted, uniform, wrong_p, taken, right, marks = table.T
+    predicted, uniform, wrong_p, taken, right, marks, seeds = table.T
     taken, right = taken > 0, right > 0
     wrong = int((taken & ~right).sum())
     limit = _most_wrong(wrong, int(taken.sum()))
     yield f"{len(table)} scenes, {taken.sum()} accepted, {wrong} of them wrong: at most {limit}"
+    for row in np.flatnonzero(taken & ~right):
+        yield f"wrong: seed {seeds[row]:.0f}, stated {wrong_p[row]:.1e}, predicted evidence {predicted[row]:.1f}"
     for low, high in BANDS:
         band = (predicted > low) & (predicted <= high)
         yield (
