@@ -231,10 +231,10 @@ def lines(count: int) -> Iterator[str]:
     """Echoes of one line (quay, row of aids) against the marks of another of the same kind: nothing is right."""
     plane = LocalPlane(Position(54.0, 8.0))
     yield _row("line: marks, echoes, m apart", "scenes", "accepted")
-    for marks, echoes, least_m, most_m, across_m, kind in LINES:
+    for number, (marks, echoes, least_m, most_m, across_m, kind) in enumerate(LINES):
         taken = 0
         for seed in range(FIRST, FIRST + count):
-            generator = np.random.default_rng(seed)
+            generator = np.random.default_rng((seed, number))
             here, there = (
                 np.cumsum(generator.uniform(least_m, most_m, size)) + 1j * generator.normal(0.0, across_m, size)
                 for size in (marks, echoes)
