@@ -212,8 +212,9 @@ def test_the_searched_area_is_the_union_of_the_discs():
     assert math.exp(prior.log_area(em.Field(apart, MODEL))) == pytest.approx(len(apart.z) * disc_m2, rel=0.06)
 
 
-def test_clutter_is_denser_in_a_cluster_and_never_below_the_mean():
-    made = make_scene(SceneRecipe(30, 60), 1)
+@pytest.mark.parametrize("targets", [5, 8, 30])
+def test_clutter_is_denser_in_a_cluster_and_never_below_the_mean(targets: int):
+    made = make_scene(SceneRecipe(targets, 60), 1)
     scene = scenes.build(made.epoch, radar_model("imo"), MODEL)
     mean = len(scene.rho) / (math.pi * scene.radar_range_m**2)
     density = em.clutter_density(scene, MODEL)
@@ -256,6 +257,25 @@ def test_echoes_of_one_quay_are_not_taken_for_the_ships_at_another():
         except NoFix:
             continue
     assert accepted == 0
+
+
+@pytest.mark.parametrize("seed", [169, 522])
+def test_seven_echoes_of_one_row_of_aids_are_not_taken_for_the_aids_of_another(seed: int):
+    """Seeds that were accepted while fewer than nine echoes counted as spread evenly: one of them with all seven."""
+    random, plane = np.random.default_rng(seed), LocalPlane(Position(54.0, 8.0))
+    aids, echoes = (np.cumsum(random.uniform(600.0, 2200.0, n)) + 1j * random.normal(0.0, 8.0, n) for n in (12, 7))
+    echoes += -echoes[3].real + 1j * random.uniform(-3000.0, 3000.0)
+    targets = tuple(
+        RadarTarget(f"{k}", abs(z) + 20.0 * random.normal(), math.degrees(np.angle(z)) + 0.5 * random.normal())
+        for k, z in enumerate(echoes)
+    )
+    away = 12000.0 * np.sqrt(random.uniform(size=15)) * np.exp(2j * np.pi * random.uniform(size=15))
+    marks = tuple(
+        Mark(f"{k}", plane.to_position(z.real, z.imag), 15.0, kind="aton")
+        for k, z in enumerate(np.concatenate([aids, away]))
+    )
+    with pytest.raises(NoFix):
+        navfix.associate(Epoch(None, targets, marks))
 
 
 @pytest.mark.parametrize("uncertain_m", [10.0, 200.0])
