@@ -10,6 +10,7 @@ import contextlib
 import math
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -61,8 +62,8 @@ def loop_ms() -> float:
     return min(taken)
 
 
-def timing(marks: int, runs: int, *, solver: str, loop: float) -> None:
-    """Print the processor time of one call of adjust, everything included, in ms and in fixed loops (``loop`` ms)."""
+def timing(marks: int, runs: int, *, solver: str) -> tuple[float, float]:
+    """Return median and 99 % quantile [ms] of the processor time of one call of adjust, everything included."""
     rng = np.random.default_rng(2)
     scenes = [epoch_scene(rng, marks=marks, wrong=marks // 5) for _ in range(runs)]
     taken = []
@@ -72,24 +73,27 @@ def timing(marks: int, runs: int, *, solver: str, loop: float) -> None:
             adjust(epoch, association, solver=solver)  # type: ignore[arg-type]
         taken.append(1e3 * (time.process_time() - start))
     median, p99 = np.quantile(taken[1:], [0.5, 0.99])  # the first one imports
-    loops = f"in loops {median / loop:.3f}, {p99 / loop:.3f}"
-    print(f"adjust, {marks:3d} pairs, {solver:5s}: median {median:6.1f} ms, p99 {p99:6.1f} ms; {loops}")
+    return float(median), float(p99)
 
 
-def timings() -> None:
-    """Print the times of all sizes."""
+def timings() -> Iterator[str]:
+    """Yield the times of all sizes, in ms and in turns of a fixed loop."""
     loop = loop_ms()
-    print(f"the loop sum(i*i for i in range(10**6)) takes {loop:.1f} ms here")
+    yield f"| pairs | road | median ms | p99 ms | median loops | p99 loops (1 loop = {loop:.1f} ms here) |"
+    yield "|---|---|---|---|---|---|"
     for marks, runs in ((5, 200), (20, 200), (100, 50), (500, 20)):
         for solver in ("gtsam", "dense") if graph.available() else ("dense",):
-            timing(marks, runs, solver=solver, loop=loop)
+            median, p99 = timing(marks, runs, solver=solver)
+            shown = f"{median:.1f} | {p99:.1f} | {median / loop:.3f} | {p99 / loop:.3f}"
+            yield f"| {marks} | {solver} | {shown} |"
 
 
 def main() -> None:
     """Print the table and the timings."""
     if sys.argv[1:] != ["timing"]:
         table(int(sys.argv[1]) if len(sys.argv) > 1 else 500)
-    timings()
+    for line in timings():
+        print(line, flush=True)
 
 
 if __name__ == "__main__":

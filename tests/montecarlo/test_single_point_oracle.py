@@ -92,35 +92,56 @@ def oracle(case: Case, near: np.ndarray) -> Oracle:
     return Oracle(pose, Q, r, computed(pose) / (sigma * np.sqrt(np.maximum(r, 1e-12))))
 
 
-def compare(case: Case, fix: Fix) -> None:
+@dataclass(frozen=True)
+class Differences:
+    """The largest differences between navfix and SciPy: m, relative, 1, 1, deg."""
+
+    position_m: float
+    covariance: float
+    redundancy: float
+    w: float
+    heading_deg: float
+
+
+def compare(case: Case, fix: Fix) -> Differences:
     assert isinstance(fix.position, PlanePosition)
     heading = [] if fix.heading_deg is None else [math.radians(fix.heading_deg)]
     found = oracle(case, np.array([fix.position.north_m + 1.0, fix.position.east_m - 1.0, *heading]))
-    assert math.hypot(fix.position.north_m - found.pose[0], fix.position.east_m - found.pose[1]) < POSITION_M
-    if heading:
-        off = math.remainder(math.radians(fix.heading_deg or 0.0) - found.pose[2], 2.0 * math.pi)
-        assert abs(math.degrees(off)) < HEADING_DEG
+    turn_deg = math.degrees(math.remainder(heading[0] - found.pose[2], 2.0 * math.pi)) if heading else 0.0
     scale = np.sqrt(np.outer(np.diag(found.cofactor), np.diag(found.cofactor)))
-    np.testing.assert_array_less(np.abs(fix.cofactor_matrix - found.cofactor) / scale, COVARIANCE)
     numbers = np.array([o.redundancy_number for o in fix.observations])
-    np.testing.assert_allclose(numbers, found.redundancy, atol=REDUNDANCY)
-    for o, w in zip(fix.observations, found.w, strict=True):
-        if o.redundancy_number > 1e-3 and o.standardized is not None:
-            assert o.standardized == pytest.approx(w, abs=W)
+    tested = [i for i, o in enumerate(fix.observations) if o.redundancy_number > 1e-3 and o.standardized is not None]
+    return Differences(
+        math.hypot(fix.position.north_m - found.pose[0], fix.position.east_m - found.pose[1]),
+        float(np.max(np.abs(fix.cofactor_matrix - found.cofactor) / scale)),
+        float(np.max(np.abs(numbers - found.redundancy))),
+        max((abs((fix.observations[i].standardized or 0.0) - float(found.w[i])) for i in tested), default=0.0),
+        abs(turn_deg),
+    )
 
 
-@pytest.mark.parametrize("solver", ["gtsam", "dense"])
-def test_random_cases_agree_with_scipy(solver: str) -> None:
-    """120 cases by each road; those that the geometry leaves free are few."""
-    if solver == "gtsam" and not graph.available():
-        pytest.skip("GTSAM is not installed")
-    compared = 0
-    for seed in range(120):
+def compared(cases: int, solver: str) -> list[Differences]:
+    """Compare random cases with SciPy; those that the geometry leaves free are left out."""
+    found = []
+    for seed in range(cases):
         case = random_case(seed)
         try:
             fix = adjust_case(case, kernel="none", damping="separate", solver=solver)  # type: ignore[arg-type]
         except NoFix:
             continue
-        compare(case, fix)
-        compared += 1
-    assert compared >= 110
+        found.append(compare(case, fix))
+    return found
+
+
+@pytest.mark.parametrize("solver", ["gtsam", "dense"])
+def test_random_cases_agree_with_scipy(solver: str) -> None:
+    """200 cases by each road; those that the geometry leaves free are few."""
+    if solver == "gtsam" and not graph.available():
+        pytest.skip("GTSAM is not installed")
+    found = compared(200, solver)
+    assert len(found) >= 185
+    assert max(d.position_m for d in found) < POSITION_M
+    assert max(d.covariance for d in found) < COVARIANCE
+    assert max(d.redundancy for d in found) < REDUNDANCY
+    assert max(d.w for d in found) < W
+    assert max(d.heading_deg for d in found) < HEADING_DEG
