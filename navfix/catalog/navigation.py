@@ -102,6 +102,8 @@ class RadarErrorsModel:
     range_walk: float
     clock_sigma_s: float
     range_sigma_m: float
+    clock_common_s: float
+    range_common_m: float
     least_ships: float
     least_marks: float
     least_clock_share: float

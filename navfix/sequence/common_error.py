@@ -19,6 +19,7 @@ from navfix.types import AdjustedObservation, CommonError, Fix, FloatArray, Mark
 
 Column = Callable[[AdjustedObservation, Mark, float, float], float]  # observation, its mark, range m, azimuth rad
 
+MANY = 1e6
 _CARRIES = 0.01  # of all information: a mark with less is no voice
 
 
@@ -27,13 +28,15 @@ class Wanted:
     """One common error: its derivative and what is asked of its estimate.
 
     ``column`` derivative of an observation [m or rad] by the error; ``sigma`` known beforehand; ``walk`` 1 sigma per
-    root of a second; ``least_marks`` that carry it; ``least_separable`` share of its information that the pose and the
-    other errors leave; ``missing`` says in words what is wrong where too few marks do.
+    root of a second; ``common`` 1 sigma of what all marks have in common; ``least_marks`` that carry it;
+    ``least_separable`` share of its information that the pose and the other errors leave; ``missing`` says in words
+    what is wrong where too few marks do.
     """
 
     column: Column
     sigma: float
     walk: float
+    common: float
     least_marks: float
     least_separable: float
     missing: str
@@ -87,13 +90,16 @@ class CommonErrors:
         found = []
         for i, wanted in enumerate(self._wanted):
             carried = np.array([v.information[i, i] for v in voices])
-            drift = wanted.walk**2 * self._memory_s / 2.0  # the estimate is a mean over the memory
-            sigma = math.sqrt(max(spread[i], inverse[i, i]) + drift)
+            known = wanted.walk**2 * self._memory_s / 2.0 + wanted.common**2  # the estimate is a mean over the memory
+            scatter = max(spread[i], inverse[i, i])
             separable = float(left[i] / self._whole[i]) if self._whole[i] > 0.0 else 0.0
-            found.append(self._judged(wanted, float(value[i]), sigma, separable, _voices(carried)))
+            found.append(self._judged(wanted, float(value[i]), (scatter, known), separable, _voices(carried)))
         return tuple(found)
 
-    def _judged(self, wanted: Wanted, value: float, sigma: float, separable: float, marks: float) -> CommonError:
+    def _judged(
+        self, wanted: Wanted, value: float, variances: tuple[float, float], separable: float, marks: float
+    ) -> CommonError:
+        """Judge an estimate by its variances: how the marks scatter, which few hardly tell, and what is stated."""
         observable, significant, reason = False, False, None
         if marks < wanted.least_marks:
             reason = f"{wanted.missing}; {wanted.least_marks:.0f} are the least"
@@ -101,10 +107,14 @@ class CommonErrors:
             reason = f"the position explains it as well: {100.0 * separable:.0f} % of its information is left"
         else:
             observable = True
-            quantile = student_quantile((1.0 + self._probability) / 2.0, marks - 1.0)
-            significant = abs(value) > quantile * sigma
+            quantiles = [student_quantile((1.0 + self._probability) / 2.0, dof) for dof in (marks - 1.0, MANY)]
+            significant = abs(value) > math.hypot(
+                *(q * math.sqrt(v) for q, v in zip(quantiles, variances, strict=True))
+            )
             reason = None if significant else "it is not told from zero"
-        return CommonError(value, sigma, separable, marks, self._fixes, observable, significant, reason)
+        return CommonError(
+            value, math.sqrt(sum(variances)), separable, marks, self._fixes, observable, significant, reason
+        )
 
     def _fade(self, time_s: float) -> None:
         elapsed_s = max(time_s - self._time_s, 0.0) if math.isfinite(self._time_s) else 0.0

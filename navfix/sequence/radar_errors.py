@@ -45,14 +45,15 @@ class RadarErrorsOverTime:
         self._model = m = radar_errors_model(model)
         self._windows, self._correct = windows, correct
         self._radar, self._kernel = radar, kernel
-        ships = "too few ships move"
-        wanted = (
-            Wanted(clock.column, m.clock_sigma_s, m.clock_walk, m.least_ships, m.least_clock_share, ships),
-            Wanted(
-                range_bias.column, m.range_sigma_m, m.range_walk, m.least_marks, m.least_range_share, "too few marks"
-            ),
-        )
-        self._errors = CommonErrors(wanted, memory_s=m.memory_s, probability=m.probability)
+        of_clock = Wanted(
+            clock.column, m.clock_sigma_s, m.clock_walk, m.clock_common_s, m.least_ships, m.least_clock_share,
+            "too few ships move",
+        )  # fmt: skip
+        of_ranges = Wanted(
+            range_bias.column, m.range_sigma_m, m.range_walk, m.range_common_m, m.least_marks, m.least_range_share,
+            "too few marks",
+        )  # fmt: skip
+        self._errors = CommonErrors((of_clock, of_ranges), memory_s=m.memory_s, probability=m.probability)
         self._offset_s = self._bias_m = 0.0
         self._stamp_s = math.nan
 

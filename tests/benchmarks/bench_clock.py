@@ -12,6 +12,7 @@ import csv
 import math
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,16 +21,19 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from navfix import pipeline
 from navfix.adjustment import adjust
+from navfix.catalog import radar_errors_model
 from navfix.errors import NoFix
 from navfix.geodesy import LocalPlane, inverse
 from navfix.nmea import read_log
 from navfix.picture import epochs
-from navfix.sequence.clock import ClockOffset, with_offset
+from navfix.sequence.clock import with_offset
+from navfix.sequence.radar_errors import RadarErrorsOverTime
 from navfix.types import Association, Epoch, Fix, Position
 
 SHARED = Path(__file__).resolve().parents[3] / "shared" / "data" / "marce"
 BIAS_DEG = {"marce_01_004": -3.2, "marce_01_010": -3.5}  # of the recording, true pose against AIS
 GATE_M, GATE_DEG = 250.0, 4.0
+ALL = replace(radar_errors_model(), memory_s=1e6, clock_walk=0.0, range_walk=0.0)  # the whole recording
 OFFSETS_S = (-7.0, -3.0, -1.0, 0.0, 1.0, 3.0, 5.0, 7.0, 9.0, 12.0)
 
 
@@ -106,11 +110,11 @@ def study(name: str, every: int) -> None:
             f"{np.percentile(errors, 95):5.1f} m (own ship at the stamped time: {np.median(own_time):5.1f}), "
             f"sigma0 {sigma0:.2f}"
         )
-    told = ClockOffset(span_s=1e9)
+    told = RadarErrorsOverTime(model=ALL, correct=False)
     for _, fix in shifted(chosen, rows, 0.0, BIAS_DEG[name]):
         told.feed(fix)
     print("  association from truth:", told.estimate())
-    blind = ClockOffset(span_s=1e9)
+    blind = RadarErrorsOverTime(model=ALL, correct=False)
     for epoch in chosen:
         answer = pipeline.answer(epoch)
         if answer.fix is not None:

@@ -300,9 +300,9 @@ distance in time; the others the reports before alone. Written by `python tests/
 """
 COVERAGE = """Share of the errors inside the 95 % bound of the default, in %, by class and age; 20 reports and more a
 cell. The constants in `models/ais` come from these ships."""
-HALVED = """The same of ships that the constants were not fitted to: each class is halved by ships three times at random,
-fitted on one half and tried on the other, and the other way round. Up to 10 s the reports of class B come from one or
-two boats."""
+HALVED = """The same of ships that the constants were not fitted to: each class is halved by ships three times at
+random, fitted on one half and tried on the other, and the other way round. Up to 10 s the reports of class B come from
+one or two boats."""
 
 if __name__ == "__main__":
     main()

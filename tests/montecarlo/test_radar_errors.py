@@ -42,8 +42,8 @@ def test_study_of_gain_and_false_alarms(clock_s: float, bias_m: float) -> None:
     fixes = [sum(len(one.errors_m) for one in found) for found in (left, taken)]
     print(
         f"clock {clock_s:+.0f} s, ranges {bias_m:+.0f} m: fixes {fixes[0]} -> {fixes[1]}, median error "
-        f"{median_m(left):.1f} -> {median_m(taken):.1f} m, ellipse holds {held[0]:.0f} -> {held[1]:.0f} %, taken off in "
-        f"{applied[0]} and {applied[1]} of {len(seeds)}, pulls: mean {pulls.mean(axis=0).round(2)}, "
+        f"{median_m(left):.1f} -> {median_m(taken):.1f} m, ellipse holds {held[0]:.0f} -> {held[1]:.0f} %, "
+        f"taken off in {applied[0]} and {applied[1]} of {len(seeds)}, pulls: mean {pulls.mean(axis=0).round(2)}, "
         f"rms {np.sqrt(np.mean(pulls**2, axis=0)).round(2)}"
     )
     assert median_m(taken) <= median_m(left) + 1.0
