@@ -58,12 +58,12 @@ class WindowModel:
 class AdjustmentModel:
     """Constants of the adjustment of a window of scans, 1 sigma where they are sigmas.
 
-    ``steady_share`` of the radar's error variance stays with a track, ``least_steady_share`` of it or of what is found
-    to be new at least. ``velocity_walk_mps`` and ``heading_walk_deg``
-    are how far own velocity and heading wander within ``walk_time_s`` where no log and no gyro tells. A pause of more
-    than ``split_gap_s`` ends a track, one of more than ``longest_step_s`` the connection of two epochs. Variance
-    components count ``prior_dof`` degrees of freedom at what is expected and stay between the smallest and the largest. A mark whose
-    constant error keeps less than ``least_static_weight`` is left out.
+    ``steady_share`` of the radar's error variance stays with a track, ``least_steady_share`` of it or of what is
+    found to be new at least. ``velocity_walk_mps`` and ``heading_walk_deg`` are how far own velocity and heading
+    wander within ``walk_time_s`` where no log and no gyro tells. A pause of more than ``split_gap_s`` ends a track,
+    one of more than ``longest_step_s`` the connection of two epochs. Variance components count ``prior_dof`` degrees
+    of freedom at what is expected and stay between the smallest and the largest. A mark whose constant error keeps
+    less than ``least_static_weight`` is left out.
     """
 
     name: str

@@ -59,8 +59,8 @@ def with_components(damper: Damper, descended: Descended) -> Judged:
     """Estimate the variance components, then the memory of what is new in each scan, and solve with both; eq. (10.8).
 
     ``prior_dof`` degrees of freedom stand behind what each component is expected to be, so that few residuals change
-    little. Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those of the
-    scan before count for fewer observations: their variance grows by (1 + rho) / (1 - rho).
+    little. Own ship's motion is never taken for steadier than its model says. Errors of one track that resemble those
+    of the scan before count for fewer observations: their variance grows by (1 + rho) / (1 - rho).
     """
     model = damper.plan.window.model
     found = judged(damper, descended)
