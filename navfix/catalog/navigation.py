@@ -55,7 +55,12 @@ class NavigatorModel:
     lapse_memory_s: float
     back_evidence: float
     drop_after_s: float
-    least_probability_wrong: float
+    doubt_accepted: float
+    doubt_per_nat: float
+    doubt_reached: float
+    doubt_per_hour: float
+    most_doubt: float
+    former_s: float
 
 
 @dataclass(frozen=True, slots=True)

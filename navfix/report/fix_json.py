@@ -327,6 +327,8 @@ def track_to_dict(track: TrackState | None) -> dict[str, Any] | None:
         "since_s": plain(track.since_s),
         "source": track.source,
         "innovation": plain(track.innovation),
+        "confirmed_age_s": plain(track.confirmed_age_s),
+        "not_checked": list(track.not_checked),
     }
 
 

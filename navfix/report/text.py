@@ -16,6 +16,7 @@ from navfix.report.entries import LABEL, about, entry, in_metres, wrapped
 from navfix.report.other_positions import beside_lines, gnss_lines, three_positions
 from navfix.report.rows import PairRow, pair_rows, unmatched_indices
 from navfix.report.tables import printable, residual_table
+from navfix.report.track_text import track_lines
 from navfix.types import Alternative, Epoch, Fix, PlanePosition, Position, RadarTarget
 from navfix.units import NM_M
 
@@ -39,6 +40,7 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
     yield from _pose(fix)
     yield from _cautions(answer)
     yield from _certainty(fix)
+    yield from track_lines(answer.track)
     yield from _data(answer)
     yield from beside_lines(answer, fix)
     yield from _named_outliers(fix, rows)
@@ -201,6 +203,7 @@ def no_fix_lines(answer: Answer) -> Iterator[str]:
     yield from _cautions(answer)
     yield from entry("What helps", words.ADVICE.get(error.reason, "Wait for the next scan."))
     yield from _evidence(error)
+    yield from track_lines(answer.track)
     yield from _data(answer)
     if answer.gnss is not None:
         yield from gnss_lines(answer.gnss)

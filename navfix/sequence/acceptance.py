@@ -79,22 +79,29 @@ class Acceptance:
         )
 
     def accepted(self, bank: Bank) -> list[Hypothesis]:
-        """Return the places of the bank that may be believed: none, one, or two (which means none)."""
-        return [h for h in bank.hypotheses if self._believable(h, bank)]
+        """Return the places of the bank that may be believed: none, one, or several (which means none).
 
-    def _believable(self, h: Hypothesis, bank: Bank) -> bool:
+        Several are those that would be believed were it not for each other: neither is clearly ahead.
+        """
+        found = [h for h in bank.hypotheses if h.score >= self._model.least_score and self._needed_lead(h) is not None]
+        ahead = [h for h in found if bank.rival_ahead(h) >= (self._needed_lead(h) or 0.0)]
+        if ahead:
+            return ahead
+        close = [h for h in found if bank.rival_ahead(h) > -self._model.least_ahead]
+        return close if any(self._apart(one, other) for one in close for other in close) else []
+
+    def _needed_lead(self, h: Hypothesis) -> float | None:
+        """Return the lead [nats] with which a place is believed, None where no blind solves have found it."""
         model = self._model
-        if h.score < model.least_score:
-            return False
-        ahead = bank.rival_ahead(h)
-        if ahead < model.least_ahead:
-            return False
         here = [b for b in self._blind if self._agrees(b.place, h.place)]
         if any(self.sure(b) for b in here if b.end_s >= h.place.time_s - model.bank_every_s):
-            return True
+            return model.least_ahead
         findings = [b for b in here if self.fair(b)]
-        apart = any(later.begin_s >= earlier.end_s for earlier in findings for later in findings)
-        return apart and ahead >= model.again_ahead
+        twice = any(later.begin_s >= earlier.end_s for earlier in findings for later in findings)
+        return max(model.least_ahead, model.again_ahead) if twice else None
+
+    def _apart(self, one: Hypothesis, other: Hypothesis) -> bool:
+        return one.place.differs(other.place, self._model.same_m, self._model.apart_deg)
 
     def _agrees(self, earlier: Place, place: Place) -> bool:
         """Tell whether two places are one, the earlier carried to the time of the other."""

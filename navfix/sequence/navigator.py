@@ -7,8 +7,8 @@ another place that is believed ends it; two believed places are none.
 
 from __future__ import annotations
 
-import math
 from collections import deque
+from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
@@ -18,12 +18,14 @@ from navfix.association.window.joint import Joint, Window
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel, WindowModel, navigator_model, window_model
 from navfix.errors import InputError, TooFewPairs
-from navfix.sequence.acceptance import Acceptance, Blind, blind_of
-from navfix.sequence.bank import Bank, Hypothesis
+from navfix.sequence.acceptance import Blind, blind_of
+from navfix.sequence.bank import Bank
+from navfix.sequence.belief import Belief
+from navfix.sequence.doubt import NOT_CHECKED
 from navfix.sequence.outcome import Outcome
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
-from navfix.types import Alternative, Epoch, TrackState, TrackStatus
+from navfix.types import Alternative, Epoch, Fix, TrackState, TrackStatus
 
 
 class Navigator:
@@ -37,24 +39,20 @@ class Navigator:
     def __init__(self, *, model: NavigatorModel | str = "default", window: WindowModel | str = "joint") -> None:
         self._model, self._window = navigator_model(model), window_model(window)
         self._epochs: deque[Epoch] = deque()
-        self._bank = Bank(self._model)
-        self._acceptance = Acceptance(self._model)
+        self._belief = Belief(self._model)
         self._track: Track | None = None
-        self._conflict_until_s = -np.inf
         self._last_cold_s = self._last_bank_s = -np.inf
-        self._believed: list[Hypothesis] = []
         self._plain: Blind | None = None
-        self._reason = "cold: nothing has been seen yet"
 
     @property
     def bank(self) -> Bank:
         """The places that are kept alive."""
-        return self._bank
+        return self._belief.bank
 
     def alternatives(self) -> tuple[Alternative, ...]:
         """Return the places that are kept alive, best first; ``score`` is that over minutes."""
         return tuple(
-            Alternative(h.place.position, h.place.heading_deg, h.score, h.marks) for h in self._bank.hypotheses[:10]
+            Alternative(h.place.position, h.place.heading_deg, h.score, h.marks) for h in self.bank.hypotheses[:10]
         )
 
     def start_at(self, place: Place) -> None:
@@ -90,14 +88,21 @@ class Navigator:
     def step(self, at: datetime | None = None) -> Outcome:
         """Return the outcome at the newest epoch (``at``: no later than this; the caller's clock is not read)."""
         if not self._epochs or (at is not None and self._epochs[-1].time_utc > at):  # type: ignore[operator]
-            return Outcome("cold", None, self._reason, TrackState("cold"))
+            return Outcome("cold", None, self._belief.reason, TrackState("cold"))
         now_s = epoch_time(self._epochs[-1])
         blind = self._solve_blind(now_s)
         self._update_bank(now_s)
-        self._decide(now_s)
+        self._track = self._belief.decide(
+            self._track,
+            now_s,
+            solved=self._last_cold_s == now_s,
+            fed=self._last_bank_s == now_s,
+            plain=self._plain if self._plain is not None and self._plain.end_s == now_s else None,
+        )
         if self._track is None:
-            status: TrackStatus = "conflict" if self._reason.startswith("conflict") else "cold"
-            return Outcome(status, None, self._reason, TrackState(status, score=self._best_score()))
+            reason = self._belief.reason
+            status: TrackStatus = "conflict" if reason.startswith("conflict") else "cold"
+            return Outcome(status, None, reason, TrackState(status, score=self._belief.best_score))
         held = self._hold(now_s, blind)
         return self._outcome(now_s, held)
 
@@ -114,8 +119,8 @@ class Navigator:
         self._last_cold_s = now_s
         found = joint.cold(window)
         best = blind_of(found, min(self._model.window_s, self._span_s(now_s)))
-        self._acceptance.note(best)
-        self._plain = best if best is not None and self._acceptance.plain(best) else None
+        self._belief.acceptance.note(best)
+        self._plain = best if best is not None and self._belief.acceptance.plain(best) else None
         return found
 
     def _prepare(self, now_s: float, length_s: float) -> Window | None:
@@ -131,7 +136,7 @@ class Navigator:
     def _span_s(self, now_s: float) -> float:
         return now_s - epoch_time(self._epochs[0])
 
-    # ------------------------------------------------------------------------------------------------ belief
+    # ------------------------------------------------------------------------------------------------ the bank
 
     def _update_bank(self, now_s: float) -> None:
         """Every half minute: carry all places over the data since, and let blind solves propose new ones."""
@@ -153,80 +158,8 @@ class Navigator:
                 whole = window if abs(length_s - since_s) < 1.0 else self._prepare(now_s, length_s)
                 if whole is not None:
                     births.append(joint.cold(whole))
-                    self._acceptance.note(blind_of(births[-1], length_s))
-        self._bank.feed(window, births)
-
-    def _best_score(self) -> float | None:
-        return self._bank.hypotheses[0].score if self._bank.hypotheses else None
-
-    def _decide(self, now_s: float) -> None:
-        """Accept, keep or give up a place."""
-        if self._last_bank_s == now_s or self._last_cold_s == now_s:
-            self._believed = self._acceptance.accepted(self._bank)
-        believed = self._believed = [
-            h for h in self._believed if h.place.carried(now_s, self._model).sigma_m <= self._model.lost_m
-        ]  # what was believed before a gap is nowhere after it
-        if self._track is not None:
-            self._track.lose_at(now_s)
-        if self._track is not None and self._track.given_up:
-            self._reason, self._track = self._track.given_up, None
-        if self._track is None:
-            self._accept(believed, now_s)
-            return
-        place = self._track.place_at(now_s)
-        others = self._elsewhere(place, now_s)
-        if others or self._contradicted(now_s, place):
-            hold_s = self._model.conflict_hold_s if self._track.proven else 0.0
-            self._track = None
-            self._reason = "conflict: another place is believed as well as the one that was held; none is given out"
-            self._conflict_until_s = now_s + hold_s
-        elif any(h.place.carried(now_s, self._model).distance_m(place) <= self._model.same_m for h in believed):
-            self._track.proven = True
-
-    def _contradicted(self, now_s: float, place: Place) -> bool:
-        """Tell whether a blind solve of now is sure of another place, or the bank holds another far ahead of this."""
-        model = self._model
-        sure = [blind for blind in self._acceptance.ended_at(now_s) if self._acceptance.sure(blind)]
-        if any(place.differs(blind.place, model.apart_m, model.apart_deg) for blind in sure):
-            return True
-        if self._last_bank_s != now_s or not self._bank.hypotheses:
-            return False
-        best, here = self._bank.hypotheses[0], self._bank.near(place)
-        behind = best.score - here.score if here is not None else math.inf
-        return best.score > model.least_score + model.give_up_behind and behind > model.give_up_behind
-
-    def _elsewhere(self, place: Place, now_s: float) -> list[Hypothesis]:
-        """Return the believed places that are not this one."""
-        model = self._model
-        return [
-            h for h in self._believed if h.place.carried(now_s, model).differs(place, model.apart_m, model.apart_deg)
-        ]
-
-    def _accept(self, believed: list[Hypothesis], now_s: float) -> None:
-        if now_s < self._conflict_until_s:
-            return
-        if self._plain is not None and self._plain.end_s == now_s:
-            if self._elsewhere(self._plain.place, now_s):
-                self._reason = "conflict: one window leaves no doubt, and minutes speak for another place"
-                return
-            self._track = Track(self._plain.place, self._model, now_s)
-            return
-        if len(believed) == 1:
-            self._track = Track(believed[0].place.carried(now_s, self._model), self._model, now_s)
-            return
-        if len(believed) > 1:
-            self._reason = f"conflict: {len(believed)} places are believed at once, so none is given out"
-        else:
-            self._reason = self._why_cold()
-
-    def _why_cold(self) -> str:
-        if not self._bank.hypotheses:
-            return "cold: no place explains the tracks better than chance so far"
-        best = self._bank.hypotheses[0]
-        return (
-            f"cold: the best place has a score of {best.score:.1f}, ahead by {min(self._bank.ahead, 999.0):.1f}, "
-            f"with {best.marks} marks; it must be found again without shared data, or prove itself at once"
-        )
+                    self._belief.acceptance.note(blind_of(births[-1], length_s))
+        self.bank.feed(window, births)
 
     # ------------------------------------------------------------------------------------------------ the track
 
@@ -237,8 +170,9 @@ class Navigator:
         if blind is not None and len(blind.answers):
             best = blind_of(blind, self._model.window_s)
             assert best is not None
-            if self._acceptance.fair(best) and track.agrees(best.place):
+            if self._belief.acceptance.fair(best) and track.agrees(best.place):
                 track.proven = True
+                track.standing.confirm(now_s)
                 return track.take_blind(blind, self._epochs[-1], now_s)
         begin = track.prior_for(now_s - self._model.window_s)
         length_s = min(self._model.window_s, now_s - begin.time_s)
@@ -259,22 +193,33 @@ class Navigator:
     def _outcome(self, now_s: float, held: Held | None) -> Outcome:
         track = self._track
         assert track is not None
-        hypothesis = self._bank.near(track.place_at(now_s))
+        silent = track.standing.why_silent(now_s) if track.proven else ""
+        hypothesis = self.bank.near(track.place_at(now_s))
         state = TrackState(
-            "tracking" if track.proven and not track.lapsed else "lapsed",
-            track.probability_wrong,
+            "tracking" if track.proven and not track.lapsed and not silent else "lapsed",
+            None if silent else track.probability_wrong,
             None if held is None else held.evidence,
             None if hypothesis is None else hypothesis.score,
-            None if hypothesis is None else min(self._bank.rival_ahead(hypothesis), 1000.0),
+            None if hypothesis is None else min(self.bank.rival_ahead(hypothesis), 1000.0),
             now_s - track.since_s,
             None if held is None else held.source,
             track.protection.innovation,
+            now_s - track.standing.confirmed_s if track.proven else None,
+            NOT_CHECKED,
         )
-        if track.given_up or track.lapsed or not track.proven or held is None or held.fix is None:
+        if silent or track.given_up or track.lapsed or not track.proven or held is None or held.fix is None:
             unproven = "" if track.proven else "the place that was given is not confirmed yet by any solve without it"
-            reason = track.given_up or track.why_lapsed or unproven or "the window holds too little for a fix"
-            return Outcome(state.status, None, reason, state)
-        return Outcome("tracking", held.fix, "", state, held.association)
+            reason = track.given_up or track.why_lapsed or silent or unproven
+            return Outcome(state.status, None, reason or "the window holds too little for a fix", state)
+        track.standing.stated = state.probability_wrong
+        return Outcome("tracking", _doubted(held.fix, state), "", state, held.association)
+
+
+def _doubted(fix: Fix, state: TrackState) -> Fix:
+    """Return the fix with what the track knows of being wrong in place of what its one window says."""
+    if fix.association is None:
+        return fix
+    return replace(fix, association=replace(fix.association, probability_wrong=state.probability_wrong))
 
 
 __all__ = ["Blind", "Navigator", "Place"]

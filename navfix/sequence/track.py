@@ -16,6 +16,7 @@ from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
 from navfix.refinement import refined
 from navfix.sequence.bank import places_of
+from navfix.sequence.doubt import Standing
 from navfix.sequence.places import Place, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
@@ -35,8 +36,17 @@ class Held:
 class Track:
     """Follows one place. ``given_up`` says why it ended, "" while it lives."""
 
-    def __init__(self, place: Place, model: NavigatorModel, now_s: float, *, proven: bool = True) -> None:
+    def __init__(
+        self,
+        place: Place,
+        model: NavigatorModel,
+        now_s: float,
+        *,
+        proven: bool = True,
+        standing: Standing | None = None,
+    ) -> None:
         self._model = model
+        self.standing = standing or Standing(model, now_s)
         self.protection = TrackProtection()
         self.proven = proven
         self._history: deque[Place] = deque([place])
@@ -51,7 +61,8 @@ class Track:
     @property
     def probability_wrong(self) -> float | None:
         """At most so likely is a place wrong that is given out, by the negative controls; None for any other."""
-        return self._model.least_probability_wrong if self.proven and not self.lapsed and not self.given_up else None
+        silent = not self.proven or self.lapsed or self.given_up or self.standing.outdone
+        return None if silent else self.standing.probability_wrong(self._history[-1].time_s)
 
     def place_at(self, time_s: float) -> Place:
         """Return the newest place, carried to an instant."""

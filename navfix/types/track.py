@@ -15,7 +15,9 @@ class TrackState:
     ``innovation`` squared distance of the newest window to its prior (chi-square, 3 degrees of freedom).
     ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
     conflict: two places are believed, none is given out. ``probability_wrong`` of what is given out is at most
-    this, the same figure for every place (None without a place, with an unproven or a lapsed one);
+    this, by its lead and the age of its last confirmation (None without a place, with an unproven or a lapsed one);
+    ``confirmed_age_s`` since a solve that knew nothing of the track found it last; ``not_checked`` what no figure here
+    covers;
     ``evidence`` of the newest window given the place; ``score`` of the place over minutes and ``ahead`` of every
     other; ``since_s`` how long the place has been held; ``source`` "blind" or "prior": whether the newest fix needed
     the track.
@@ -29,3 +31,5 @@ class TrackState:
     since_s: float | None = None
     source: Literal["blind", "prior"] | None = None
     innovation: float | None = None
+    confirmed_age_s: float | None = None
+    not_checked: tuple[str, ...] = ()

@@ -2,6 +2,7 @@
 
     python tests/benchmarks/bench_sequence.py                      everything, short
     python tests/benchmarks/bench_sequence.py controls --hours 20  radar of one place with the AIS of another
+    ... controls --first 10 --runs 10 --results controls.jsonl     ten of them, kept in a file and not done again
     python tests/benchmarks/bench_sequence.py windows runs ports   some of it
 
 Prints tables in Markdown. Measured recordings are used where the shared data are beside the project.
@@ -15,11 +16,13 @@ import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
+import sequence_controls
 import sequence_scenes as scenes
 
-from navfix.association.window import associate, joint
+from navfix.association.window import associate
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import NoFix
@@ -29,7 +32,6 @@ from navfix.sequence import Navigator
 from navfix.types import Epoch, Fix
 
 WRONG_M = 500.0
-PORTS = ((0.5, 20), (0.35, 24), (0.3, 12), (0.2, 30), (0.13, 24), (0.13, 40))  # share with AIS, echoes
 HEAD = "| run | tried | answered % | median m | 95 % m | worst m | ellipse holds % | wrong > 500 m | CPU s each |"
 RULE = "|---|---|---|---|---|---|---|---|---|"
 
@@ -169,7 +171,7 @@ def ports(args: argparse.Namespace) -> None:
     """Simulated ports from dense to sparse."""
     print("\n## Simulated ports (share of echoes with AIS, echoes)\n\n" + HEAD + "\n" + RULE)
     for seed in range(args.seeds):
-        for share, targets in PORTS:
+        for share, targets in sequence_controls.PORTS:
             run = scenes.port(100 + seed, ais_share=share, targets=targets, duration_s=600.0)
             tally = navigated(run)
             tally.name = f"{run.name}, {targets} echoes, first {tally.first_s}"
@@ -178,35 +180,7 @@ def ports(args: argparse.Namespace) -> None:
 
 def controls(args: argparse.Namespace) -> None:
     """Radar of one place with the AIS of another: nothing right exists, whatever is accepted is wrong."""
-    real = list(measured())
-    simulated = [scenes.port(seed, ais_share=s, targets=t) for seed, (s, t) in enumerate(PORTS)]
-    extra = [scenes.ais_alone(name) for name in scenes.AIS_ALONE] if real else []
-    hours, accepted, evidence, cpu_s = 0.0, [], [], 0.0
-    for run in scenes.foreign_pairs([*real, *simulated], extra):
-        scans = run.epochs()
-        if len(scans) < 30:
-            continue
-        began_s, navigator, last_s, fixes = time.process_time(), Navigator(), -np.inf, 0
-        for epoch in scans:
-            navigator.feed(epoch)
-            if epoch_time(epoch) - last_s >= 4.9:
-                last_s = epoch_time(epoch)
-                fixes += navigator.step().fix is not None
-        for window in cut(scans, 60.0, 60.0):
-            try:
-                answers = joint.cold(joint.prepare(window)).answers
-            except NoFix:
-                continue
-            evidence += answers.evidence[:1].tolist()
-        cpu_s += time.process_time() - began_s
-        hours += (epoch_time(scans[-1]) - epoch_time(scans[0])) / 3600.0
-        accepted += [run.name] * (fixes > 0)
-        print(f"{run.name}: {fixes} fixes; {hours:.1f} h, {len(accepted)} runs with a fix", flush=True)
-        if hours >= args.hours:
-            break
-    tail = np.percentile(evidence, [50, 90, 99, 100]).round(1) if evidence else []
-    print(f"\n## Negative controls\n\n{hours:.1f} h, runs with a wrong place: {len(accepted)} {accepted}")
-    print(f"windows {len(evidence)}, evidence at 50 / 90 / 99 / 100 %: {tail}; {cpu_s / max(hours, 1e-9):.0f} CPU s/h")
+    sequence_controls.controls(hours=args.hours, first=args.first, runs=args.runs, results=args.results)
 
 
 def measured(names: Sequence[str] = scenes.MEASURED) -> Iterator[scenes.Run]:
@@ -224,6 +198,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("tables", nargs="*", help=f"some of {', '.join(TABLES)} (default: all)")
     parser.add_argument("--hours", type=float, default=1.0, help="of negative controls")
+    parser.add_argument("--first", type=int, default=0, help="number of the first negative control")
+    parser.add_argument("--runs", type=int, help="how many negative controls at most")
+    parser.add_argument("--results", type=Path, help="file that keeps the negative controls done so far")
     parser.add_argument("--seeds", type=int, default=1, help="of simulated ports")
     parser.add_argument("--step", type=float, default=20.0, help="seconds between cold windows")
     parser.add_argument("--restart", type=float, default=120.0, help="seconds between restarts")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,6 +32,11 @@ class Run:
     name: str
     records: tuple[Record, ...]
     truth: TruthTrack | None = None
+
+    @property
+    def first_s(self) -> float:
+        """When its radar begins [POSIX s]."""
+        return next(r.time_s for r in self.records if isinstance(r, TargetReport) and r.time_s is not None)
 
     def epochs(self) -> list[Epoch]:
         """Return an epoch for each radar scan."""
@@ -129,11 +133,3 @@ def foreign(radar: Run, ais: Run, *, skip_s: float = 0.0) -> Run:
     last_s = moved[-1].time_s
     records = sorted([*moved, *(r for r in seen if r.time_s <= last_s)], key=lambda r: r.time_s)
     return Run(f"{radar.name}+{ais.name}", tuple(records))
-
-
-def foreign_pairs(runs: Sequence[Run], extra_ais: Sequence[Run] = ()) -> Iterator[Run]:
-    """Yield every pair of a radar and the AIS of another place."""
-    for radar in runs:
-        for ais in (*runs, *extra_ais):
-            if ais.name != radar.name and any(isinstance(r, TargetReport) for r in radar.records):
-                yield foreign(radar, ais)
