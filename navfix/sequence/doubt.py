@@ -27,7 +27,7 @@ def by_lead(lead: float, model: NavigatorModel) -> float:
 
 def aged(probability: float, age_s: float, rate_per_hour: float) -> float:
     """Return a probability of being wrong after ``age_s`` in which nothing confirmed the place: eq. (14.3)."""
-    return 1.0 - (1.0 - probability) * math.exp(-rate_per_hour * max(age_s, 0.0) / 3600.0)
+    return probability - (1.0 - probability) * math.expm1(-rate_per_hour * max(age_s, 0.0) / 3600.0)
 
 
 def against(probability: float, former: float) -> float:

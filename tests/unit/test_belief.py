@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from navfix.catalog import navigator_model
-from navfix.sequence import Navigator
 from navfix.sequence.acceptance import Acceptance, Blind
 from navfix.sequence.bank import Bank, Hypothesis, Mean
+from navfix.sequence.belief import Belief
+from navfix.sequence.doubt import Former, Standing, against, by_lead
 from navfix.sequence.places import Place
 from navfix.sequence.track import Track
 from navfix.types import Position
@@ -57,21 +60,90 @@ def test_every_blind_solve_that_ends_now_is_heard_and_not_only_the_last_noted():
 
 
 def test_a_window_without_doubt_does_not_overrule_the_minutes_that_speak_for_another_place():
-    navigator = Navigator()
-    navigator._plain = Blind(NOW_S - 60.0, NOW_S, place(55.0), 20.0, 20.0, 8)
-    navigator._believed = [hypothesis(place(), 9.0)]
-    navigator._accept(navigator._believed, NOW_S)
-    assert navigator._track is None
-    assert navigator._reason.startswith("conflict")
+    belief = Belief(MODEL)
+    belief.believed = [hypothesis(place(), 9.0)]
+    plain = Blind(NOW_S - 60.0, NOW_S, place(55.0), 20.0, 20.0, 8)
+    assert belief.decide(None, NOW_S, solved=False, fed=False, plain=plain) is None
+    assert belief.reason.startswith("conflict")
+
+
+def test_two_places_that_were_both_found_blind_are_none():
+    acceptance, bank = Acceptance(MODEL), Bank(MODEL)
+    bank.hypotheses = [hypothesis(place(), 6.0), hypothesis(place(55.0), 5.0)]
+    for lat_deg in (54.0, 55.0):
+        acceptance.note(Blind(NOW_S - 60.0, NOW_S, place(lat_deg), 20.0, 20.0, 8))
+    assert acceptance.accepted(bank) == bank.hypotheses
+    bank.hypotheses[1].score = 0.5
+    assert acceptance.accepted(bank) == bank.hypotheses[:1]
 
 
 def test_no_probability_is_stated_for_a_place_that_is_not_proven_or_has_lapsed():
     given = Track(place(), MODEL, NOW_S, proven=False)
     assert given.probability_wrong is None
-    held = Track(place(), MODEL, NOW_S)
-    assert held.probability_wrong == MODEL.least_probability_wrong
+    held = Track(place(), MODEL, NOW_S, standing=Standing(MODEL, NOW_S, 99.0))
+    assert held.probability_wrong == MODEL.doubt_reached
     held.lapsed = True
     assert held.probability_wrong is None
+
+
+def test_doubt_falls_with_the_lead_and_never_below_what_the_controls_carry():
+    doubts = [by_lead(lead, MODEL) for lead in (0.0, 3.0, 5.0, 50.0)]
+    assert doubts == sorted(doubts, reverse=True)
+    assert doubts[1] == pytest.approx(MODEL.doubt_accepted)
+    assert doubts[-1] == MODEL.doubt_reached
+    assert by_lead(-100.0, MODEL) == 1.0
+
+
+def test_doubt_grows_while_nothing_confirms_the_place_and_then_it_is_not_given_out():
+    standing = Standing(MODEL, NOW_S, lead=50.0)
+    fresh, later = standing.probability_wrong(NOW_S), standing.probability_wrong(NOW_S + 300.0)
+    assert fresh == MODEL.doubt_reached < later < MODEL.most_doubt
+    assert not standing.why_silent(NOW_S + 300.0)
+    assert standing.why_silent(NOW_S + 3600.0).startswith("lapsed")
+    standing.confirm(NOW_S + 3600.0)
+    assert standing.probability_wrong(NOW_S + 3600.0) == pytest.approx(fresh)
+    assert not standing.why_silent(NOW_S + 3600.0)
+
+
+def test_a_place_that_another_overtakes_is_silent_until_its_lead_is_clear_again():
+    standing = Standing(MODEL, NOW_S, lead=8.0)
+    standing.note_lead(-0.5)
+    assert standing.why_silent(NOW_S)
+    standing.note_lead(MODEL.least_ahead - 0.5)
+    assert standing.why_silent(NOW_S)
+    assert not standing.given_up(NOW_S + MODEL.drop_after_s)
+    assert standing.given_up(NOW_S + MODEL.drop_after_s + 1.0)
+    standing.note_lead(MODEL.least_ahead + 5.0)
+    assert not standing.why_silent(NOW_S)
+
+
+def test_one_of_two_places_is_wrong_and_the_likelier_one_the_more():
+    assert against(0.02, 0.02) == pytest.approx(0.5)
+    assert against(0.02, 0.5) == pytest.approx(0.02)
+    assert against(0.1, 0.3) + against(0.3, 0.1) == pytest.approx(1.0)
+
+
+def test_a_former_place_bars_another_until_it_has_faded_and_not_itself():
+    belief = Belief(MODEL)
+    belief.former = Former(place(), MODEL.doubt_reached, NOW_S)
+    belief.believed = [hypothesis(place(54.1), 30.0)]
+    assert belief.decide(None, NOW_S + 1.0, solved=False, fed=False) is None
+    assert belief.reason.startswith("conflict: another place was given out")
+    belief.believed = [hypothesis(replace(place(54.1), time_s=NOW_S + 3600.0), 30.0)]
+    assert belief.decide(None, NOW_S + 3600.0, solved=False, fed=False) is not None
+    belief.believed = [hypothesis(place(), 30.0)]
+    assert belief.decide(None, NOW_S + 1.0, solved=False, fed=False) is not None
+
+
+def test_a_place_that_ends_in_a_conflict_stays_in_mind_as_it_was_stated():
+    belief = Belief(MODEL)
+    held = Track(place(), MODEL, NOW_S)
+    held.standing.stated = 0.03
+    belief.believed = [hypothesis(place(54.1), 30.0)]
+    assert belief.decide(held, NOW_S, solved=False, fed=False) is None
+    assert belief.former is not None
+    assert belief.former.doubt == 0.03
+    assert belief.reason.startswith("conflict")
 
 
 def test_a_place_is_lost_when_it_goes_unseen_for_long():

@@ -1,0 +1,71 @@
+"""The navigator in a hostile sea: nothing wrong is given out, and what is given out states its doubt."""
+
+from __future__ import annotations
+
+from tests import hostile_scenes as hostile
+import pytest
+
+from navfix.catalog import navigator_model
+
+MODEL = navigator_model()
+
+
+@pytest.mark.parametrize("metres", [600.0, 1500.0])
+def test_a_jump_of_all_ais_by_hundreds_of_metres_gives_no_wrong_place(metres: float):
+    told = hostile.tell(hostile.scene(1).changed(hostile.jump(0.6 * metres, -0.8 * metres), after_s=100.0))
+    assert told.fixes >= 5
+    assert told.wrong == 0
+    assert "conflict" in told.statuses or "lapsed" in told.statuses
+    assert told.statuses[-1] != "tracking"  # no way to know which of the two is right
+
+
+def test_a_spoofed_cluster_does_not_move_the_place():
+    scene = hostile.scene(2).changed(hostile.spoofed_cluster(0.35, 1500.0, 0.0), after_s=80.0)
+    told = hostile.tell(scene)
+    assert told.fixes >= 12
+    assert told.wrong == 0
+
+
+def test_swapped_target_numbers_move_nothing():
+    told = hostile.tell(hostile.scene(3, duration_s=150.0).changed(hostile.swap_numbers, after_s=80.0))
+    assert told.fixes >= 8
+    assert told.wrong == 0
+
+
+@pytest.mark.parametrize("believed", [False, True])
+def test_a_wrong_state_that_was_injected_is_never_given_out(believed: bool):
+    scene = hostile.scene(4, duration_s=100.0)
+    told = hostile.tell(scene, hostile.wrong_state(scene, 4000.0, -3000.0, believed=believed))
+    assert told.wrong == 0
+    assert (told.fixes == 0) == believed  # what was given out before bars the right place, too, for a while
+
+
+def test_a_restart_finds_the_place_again():
+    told = hostile.tell(hostile.scene(5, duration_s=160.0).later(80.0))
+    assert told.fixes >= 3
+    assert told.wrong == 0
+
+
+@pytest.mark.parametrize(("lat_deg", "lon_deg"), [(-16.8, 179.995), (80.0, 20.0)])
+def test_across_180_east_and_at_80_north(lat_deg: float, lon_deg: float):
+    told = hostile.tell(hostile.scene(6, lat_deg=lat_deg, lon_deg=lon_deg, duration_s=120.0))
+    assert told.fixes >= 6
+    assert told.worst_m < 150.0
+
+
+def test_sparse_traffic_gives_nothing_wrong():
+    told = hostile.tell(hostile.scene(7, ships=3, dumb=12))
+    assert told.wrong == 0
+
+
+def test_a_gyro_90_deg_off_moves_nothing():
+    scene = hostile.scene(8, duration_s=100.0)
+    told = hostile.tell(scene.changed(hostile.gyro_off(scene.truth, 90.0)))
+    assert told.fixes >= 5
+    assert told.worst_m < 150.0
+
+
+def test_every_place_that_is_given_out_states_a_doubt_within_its_limits():
+    told = hostile.tell(hostile.scene(9, duration_s=120.0))
+    assert told.fixes >= 5
+    assert told.fixes * MODEL.doubt_reached <= told.expected_wrong <= told.fixes * MODEL.most_doubt
