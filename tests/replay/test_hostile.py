@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from tests import hostile_scenes as hostile
 import pytest
 
 from navfix.catalog import navigator_model
+from tests import hostile_scenes as hostile
 
 MODEL = navigator_model()
 
