@@ -67,6 +67,8 @@ def adjusted_observations(
 def notes(network: Network, quality: Quality, solution: Solution, *, prior: str = "heading prior") -> tuple[str, ...]:
     """Say in words what a reader of the numbers must know; ``prior`` is the word for what holds the turn."""
     said = [f"solved by {'GTSAM' if solution.solver == 'gtsam' else 'dense normal equations'}"]
+    if not solution.settled:
+        said.append("NOT SETTLED: the residuals are so large that the descent goes in circles; take a robust kernel")
     if quality.scaling == "a_priori":
         said.append(f"sigma0 not used: {quality.dof:.1f} degrees of freedom are too few to judge the noise")
     if quality.global_test is None:

@@ -36,7 +36,8 @@ class Solution:
 
     ``pose`` (3,) north m, east m, heading rad (0 where it is not an unknown); ``linear``: the observations about it;
     ``cofactor`` (u, u) = (A'WA)^-1; ``loss`` in units of z^2 / 2; ``others``: the other distinct minima,
-    lowest loss first.
+    lowest loss first; ``settled`` False where the descent went on and on: the sigmas change with the pose, and
+    residuals of a great many sigmas can chase them in circles.
     """
 
     pose: FloatArray
@@ -46,6 +47,7 @@ class Solution:
     start: str
     solver: str
     others: tuple[Minimum, ...]
+    settled: bool = True
 
     @property
     def weights(self) -> FloatArray:
@@ -143,7 +145,9 @@ def finish(
             solution = _at(network, kernel, damping, replace(minimum, pose=found.pose, loss=loss), "gtsam", others)
             if _cofactors_agree(solution.cofactor, found.cofactor):
                 return solution
-    return _at(network, kernel, damping, minimum, "dense", others)
+    local = landscape_of(network, kernel, damping).about(minimum.pose[None, :])
+    settled = float(step_from(network, local)[1][0]) < _AGREE
+    return replace(_at(network, kernel, damping, minimum, "dense", others), settled=settled)
 
 
 def _cofactors_agree(cofactor: FloatArray, other: FloatArray) -> bool:

@@ -11,7 +11,9 @@ import pytest
 from navfix import catalog
 from navfix.adjustment.dense import minimise
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network, predict
-from navfix.adjustment.solve import alternative, decisive_gap, solve
+from navfix.adjustment.observations import notes
+from navfix.adjustment.reliability import assess
+from navfix.adjustment.solve import alternative, decisive_gap, finish, solve
 from navfix.adjustment.start import find_minima
 from navfix.adjustment.trials import trial_fixes
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable
@@ -150,3 +152,16 @@ def test_masked_observations_change_nothing() -> None:
     without = solve(replace(network, mask=mask), NONE)
     np.testing.assert_allclose(spoilt.pose, without.pose, atol=1e-7)
     assert np.all(spoilt.weights[:2] == 0.0)
+
+
+def test_a_descent_that_did_not_settle_is_said() -> None:
+    """Presented as a minimum, a place five sigma beside it is no stationary point; the minimum itself is."""
+    scene = plane_scene(np.random.default_rng(7))
+    least_squares = catalog.kernel("none")
+    minimum = find_minima(scene.network, least_squares, "joint")[0]
+    beside = replace(minimum, pose=minimum.pose + np.array([50.0, 0.0, 0.0]))
+    for found, settled in ((minimum, True), (beside, False)):
+        solution = finish(scene.network, least_squares, "joint", found, solver="dense")
+        quality = assess(scene.network, solution.pose, solution.weights, solution.cofactor, "joint")
+        assert solution.settled is settled
+        assert any("NOT SETTLED" in note for note in notes(scene.network, quality, solution)) is not settled
