@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from navfix.association.window.knots import Knots
 from navfix.catalog import AssociationModel, NavigatorModel, association_model
 from navfix.sequence.lives import Lives
 from navfix.sequence.places import Place, as_prior
+from navfix.sequence.yaw import YawLog
 from navfix.types import FloatArray
 
 LOST = -5.0  # what a pair is worth in a window where its track lives and is not near its ship
@@ -74,6 +75,7 @@ class Bank:
     def __init__(self, model: NavigatorModel, shared: AssociationModel | None = None) -> None:
         self._model, self._shared = model, shared or association_model()
         self._lives = Lives(model.memory_s)
+        self.yaw = YawLog()
         self.hypotheses: list[Hypothesis] = []
 
     @property
@@ -129,7 +131,7 @@ class Bank:
         for h, place, evidence, debt in zip(
             self.hypotheses, places, found.answers.evidence.tolist(), strayed.tolist(), strict=True
         ):
-            h.place, h.evidence, h.strayed = place, evidence, fading * h.strayed + debt
+            h.place, h.evidence, h.strayed = replace(place, yaw=self.yaw), evidence, fading * h.strayed + debt
 
     def _bear(self, found: Joint) -> None:
         """Add the answers of a blind solve at places where there is no hypothesis yet."""
@@ -142,7 +144,7 @@ class Bank:
         for place, evidence in zip(
             places_of(found.window, answers.knots, answers.information), answers.evidence, strict=True
         ):
-            born.append(Hypothesis(place, evidence=float(evidence)))
+            born.append(Hypothesis(replace(place, yaw=self.yaw), evidence=float(evidence)))
         self._credit(born, Joint(found.window, answers))
         self.hypotheses += [h for h in born if not any(self._same(h.place, k.place) for k in self.hypotheses)]
 

@@ -82,6 +82,7 @@ class Navigator:
                 "epochs must come in the order of time; begin a new navigator for another log"
             )
         self._epochs.append(epoch)
+        self.bank.yaw.feed(epoch)
         while now_s - epoch_time(self._epochs[0]) > self._model.kept_s:
             self._epochs.popleft()
 

@@ -13,6 +13,7 @@ from navfix.association.window.joint import Window
 from navfix.association.window.knots import PosePrior
 from navfix.catalog import NavigatorModel
 from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
+from navfix.sequence.yaw import YawLog
 from navfix.types import FloatArray, Position
 from navfix.units import wrap_180
 
@@ -21,7 +22,7 @@ from navfix.units import wrap_180
 class Place:
     """Own pose at an instant [POSIX s], with its velocity (north, east) [m/s] and covariance (3, 3) [m, m, rad].
 
-    All data that it rests on are older than ``time_s``.
+    All data that it rests on are older than ``time_s``. ``yaw`` is the log of own ship's turning, where it is kept.
     """
 
     time_s: float
@@ -29,18 +30,22 @@ class Place:
     heading_deg: float
     velocity_mps: complex
     covariance: FloatArray
+    yaw: YawLog | None = None
 
     def carried(self, to_s: float, model: NavigatorModel, unseen_s: float | None = None) -> Place:
         """Return the place carried to another instant by its velocity; what happens unseen makes it less sure.
 
-        Own yaw is seen in the bearings of every scan: ``unseen_s`` is the time without scans (default: all of it).
+        Own yaw is seen in the bearings of every scan: the heading follows the log of it, and ``unseen_s`` is the time
+        without scans (default: all of it).
         """
         after_s = to_s - self.time_s
         unseen_s = after_s if unseen_s is None else unseen_s
         step = self.velocity_mps * after_s
         position = LocalPlane(self.position).to_position(step.real, step.imag)
         grown = np.diag([(model.gap_mps * after_s) ** 2] * 2 + [math.radians(model.gap_degps * unseen_s) ** 2])
-        return Place(to_s, position, self.heading_deg, self.velocity_mps, self.covariance + grown)
+        turned_deg = 0.0 if self.yaw is None else self.yaw.between_deg(self.time_s, to_s)
+        heading_deg = (self.heading_deg + turned_deg) % 360.0
+        return Place(to_s, position, heading_deg, self.velocity_mps, self.covariance + grown, self.yaw)
 
     def distance_m(self, other: Place) -> float:
         """Return how far another place of the same instant lies [m]."""
@@ -79,6 +84,6 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
     return PosePrior(
         0,
         plane[:, 0] + 1j * plane[:, 1],
-        np.radians([p.heading_deg for p in carried]) - turns,
+        np.radians([p.heading_deg for p in places]) - turns,
         np.array([model.prior_factor**2 * p.covariance + widened for p in carried]),
     )

@@ -1,0 +1,53 @@
+"""A place that is carried along turns with the ship: else a turn makes a rival of the place itself."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+
+import numpy as np
+import pytest
+
+from navfix.catalog import navigator_model
+from navfix.sequence.places import Place
+from navfix.sequence.yaw import YawLog
+from navfix.types import Epoch, Position, RadarTarget
+
+START = datetime(2026, 5, 1, tzinfo=UTC)
+
+
+def scans(rate_degps: float, count: int = 12, step_s: float = 2.5) -> list[Epoch]:
+    found = []
+    for k in range(count):
+        heading_deg = 350.0 + rate_degps * k * step_s
+        targets = tuple(RadarTarget(f"t{i}", 2000.0 + 500.0 * i, (70.0 * i - heading_deg) % 360.0) for i in range(5))
+        found.append(Epoch(START + timedelta(seconds=k * step_s), targets, ()))
+    return found
+
+
+@pytest.mark.parametrize("rate_degps", [0.0, 3.5, -4.0])
+def test_a_place_carried_through_a_turn_lies_as_the_ship_does(rate_degps: float) -> None:
+    yaw, model, begin_s = YawLog(), navigator_model("default"), START.timestamp()
+    for epoch in scans(rate_degps):
+        yaw.feed(epoch)
+    place = Place(begin_s, Position(54.0, 18.0), 350.0, 0j, np.diag([100.0, 100.0, 1e-4]), yaw)
+    after = place.carried(begin_s + 27.5, model)
+    seen = Place(begin_s + 27.5, place.position, (350.0 + 27.5 * rate_degps) % 360.0, 0j, place.covariance)
+    assert after.turn_deg(seen) < 0.1
+    assert not after.differs(seen, model.apart_m, model.apart_deg)
+    back = after.carried(begin_s, model)
+    assert back.turn_deg(place) < 0.1
+
+
+def test_without_scans_or_log_a_heading_is_kept() -> None:
+    model, begin_s = navigator_model("default"), START.timestamp()
+    for yaw in (None, YawLog()):
+        place = Place(begin_s, Position(54.0, 18.0), 123.0, 0j, np.eye(3), yaw)
+        assert place.carried(begin_s + 30.0, model).heading_deg == 123.0
+
+
+def test_an_empty_scan_does_not_lose_the_turn() -> None:
+    yaw, whole = YawLog(), scans(2.0, count=4)
+    for number, epoch in enumerate(whole):
+        yaw.feed(Epoch(epoch.time_utc, (), ()) if number == 2 else epoch)
+    begin_s = START.timestamp()
+    assert yaw.between_deg(begin_s, begin_s + 7.5) == pytest.approx(15.0)
