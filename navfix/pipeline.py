@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import importlib
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import cache
+from typing import Any, Literal
 
 import numpy as np
 
 from navfix.adjustment import graph, mean_fix
 from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
+from navfix.association.grey_pairs import grey_association, poses_between
+from navfix.association.grey_tracks import OwnPose as OwnHeading
 from navfix.association.window.associate import solve_window
 from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
@@ -32,6 +36,7 @@ from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, Targe
 __all__ = ["answer", "answer_of_window", "beside", "epochs", "fix", "targets", "watched"]
 
 Method = str | AssociationModel | CpdModel
+GREY_STEP_S = 10.0
 
 
 def fix(
@@ -134,26 +139,54 @@ def targets(
     radar: RadarModel | str = "imo",
     kernel: Kernel | str = "hampel",
     method: Method = "seeded",
+    pairing: Literal["fix", "grey"] = "fix",
 ) -> TargetList:
     """Return the fused list of radar targets and AIS ships at the last of some epochs.
 
     Each sensor is filtered over the epochs by itself; the pairs and own place come from a fix of the last epoch. Where
-    there is none, the list holds both apart and says why.
+    there is none, the list holds both apart and says why. With ``pairing`` "grey" the pairs come from the grey relation
+    of the tracks over the epochs, about own places that are fixed every ten seconds: the source's method, to compare.
 
     Raises
     ------
     InputError : no epoch
     """
-    tracks, newest, filtered = SensorTracks(), None, None
+    tracks, filtered, seen = SensorTracks(), None, list[Epoch]()
     for newest in history:
         filtered = tracks.feed(newest)
-    if newest is None or filtered is None:
+        seen.append(newest)
+    if filtered is None:
         raise InputError("a list of targets needs at least one epoch, got none")
-    solved = answer(newest, radar=radar, kernel=kernel, method=method)
+    solved = answer(seen[-1], radar=radar, kernel=kernel, method=method)
     if solved.fix is None:
         return lists_apart(filtered, reason=getattr(solved.error, "reason", ""), message=str(solved.error), radar=radar)
     pairs = solved.fix.association or Association(pairs=np.zeros((0, 2), np.int64), probability=np.zeros(0))
+    if pairing == "grey":
+        fixes = {len(seen) - 1: solved.fix, **_fixed_every(seen[:-1], radar=radar, kernel=kernel, method=method)}
+        known = {_time_s(seen[k]): _heading_at(found) for k, found in fixes.items()}
+        pairs = grey_association(seen, poses_between(seen, known), radar=radar)
     return fused_list(filtered, _own_pose(solved.fix), pairs, radar=radar)
+
+
+def _fixed_every(seen: Sequence[Epoch], **options: Any) -> dict[int, Fix]:
+    """Return fixes of some of the epochs by their number, one in ten seconds at most, where there is one."""
+    found: dict[int, Fix] = {}
+    due_s = -math.inf
+    for number, epoch in enumerate(seen):
+        if _time_s(epoch) >= due_s:
+            solved = answer(epoch, **options)
+            if solved.fix is not None:
+                found[number], due_s = solved.fix, _time_s(epoch) + GREY_STEP_S
+    return found
+
+
+def _heading_at(found: Fix) -> OwnHeading:
+    assert isinstance(found.position, Position)
+    return OwnHeading(found.position, found.heading_deg or 0.0)  # true bearings need none
+
+
+def _time_s(epoch: Epoch) -> float:
+    return -math.inf if epoch.time_utc is None else epoch.time_utc.timestamp()
 
 
 def _own_pose(found: Fix) -> OwnPose:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from navfix.nmea import Log
     from navfix.types import Epoch, Mark, TargetList
 
+LEAST_GREY_S = 20.0
 SUFFIXES = (".txt", ".json", ".csv", ".geojson")
 
 
@@ -34,6 +35,13 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
         default=60.0,
         help="seconds before it that each sensor is filtered over; 0: the scan alone (default: 60)",
     )
+    parser.add_argument(
+        "--pairing",
+        choices=("fix", "grey"),
+        default="fix",
+        help="which target is which ship: the pairs of the fix (default), or the grey relation of the tracks over "
+        "--filter seconds about own places that are fixed meanwhile: the source's method, for comparison",
+    )
     options.add_estimation(parser)
     options.add_evidence(parser)
     options.add_outlines(parser)
@@ -49,7 +57,10 @@ def run(args: argparse.Namespace) -> int:
     charted = inputs.charted_marks(args)
     log = inputs.read(args.log, charted=bool(charted))
     newest = solving.one_epoch(log, args, charted)
-    ships = pipeline.targets(_history(log, newest, args, charted), radar=options.radar(args), kernel=args.kernel)
+    if args.pairing == "grey" and args.filter < LEAST_GREY_S:
+        raise CommandError(f"--pairing grey compares tracks: --filter must be {LEAST_GREY_S:.0f} s at least")
+    history = _history(log, newest, args, charted)
+    ships = pipeline.targets(history, radar=options.radar(args), kernel=args.kernel, pairing=args.pairing)
     shown = ships if args.find is None else _found(ships, args.find)
     print(WRITERS[".json" if args.json else ".txt"](shown).rstrip("\n"))
     outputs.write_outputs(args.out, {suffix: partial(WRITERS[suffix], shown) for suffix in SUFFIXES})

@@ -36,6 +36,17 @@ def test_the_list_is_printed_and_written_in_every_format(
     assert json.loads(files[3].read_text(encoding="utf-8"))["type"] == "FeatureCollection"
 
 
+def test_grey_pairs_of_tracks_are_mostly_those_of_the_fix(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pairs = {}
+    for pairing in ("fix", "grey"):
+        assert main(["targets", str(log), "--filter", "30", "--json", "--pairing", pairing]) == 0
+        ships = json.loads(capsys.readouterr().out)["targets"]
+        pairs[pairing] = {(s["target"], s["mark"]) for s in ships if s["sensor"] == "fused"}
+    assert len(pairs["fix"] & pairs["grey"]) >= 0.7 * len(pairs["fix"]) > 5
+    assert main(["targets", str(log), "--filter", "5", "--pairing", "grey"]) == 2
+    assert "--filter must be 20 s at least" in capsys.readouterr().err
+
+
 def test_find_shows_one_ship_and_says_when_there_is_none(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["targets", str(log), "--filter", "0", "--json"]) == 0
     fused = next(s for s in json.loads(capsys.readouterr().out)["targets"] if s["sensor"] == "fused")

@@ -22,11 +22,14 @@ from navfix.association.grey import (
     report_interval_s,
     section_length,
 )
+from navfix.association.grey_pairs import grey_association, poses_between
 from navfix.association.grey_tracks import OwnPose, polar_tracks
 from navfix.catalog import radar_model, track_association_model
+from navfix.errors import InputError
 from navfix.geodesy import direct, inverse
 from navfix.types import Epoch, Mark, Position, RadarTarget
 
+START = datetime(2026, 1, 1, tzinfo=UTC)
 MODEL, RADAR = track_association_model("grey"), radar_model("imo")
 apart = arrays(np.float64, st.integers(1, 6), elements=st.floats(0.0, 1e4))
 
@@ -162,3 +165,47 @@ def test_epochs_about_known_poses_become_tracks() -> None:
     assert targets[0].bearing_deg == pytest.approx(marks[0].bearing_deg)
     assert targets[0].speed_mps == pytest.approx(np.zeros(20), abs=0.1)
     assert match_track(targets[0], marks).ais == "1"
+
+
+def past_two_ships(turns: int = 20) -> tuple[list[Epoch], list[OwnPose]]:
+    """Return epochs of a ship that runs past two others at anchor, across 180 deg, of which one is seen twice."""
+    own, epochs, poses = Position(60.0, 179.999), [], []
+    ships = [direct(own, 45.0, 3000.0), direct(own, 300.0, 5000.0)]
+    for turn in range(turns):
+        here = direct(own, 90.0, 5.0 * 2.5 * turn)
+        places = [ships[0], ships[1], direct(ships[1], 10.0, 120.0)]
+        targets = []
+        for label, place in zip(("07", "08", "09"), places, strict=True):
+            range_m, bearing_deg = inverse(here, place)
+            targets.append(RadarTarget(label, range_m, bearing_deg - 30.0))
+        marks = tuple(Mark(str(k), ship, 10.0, speed_mps=0.0) for k, ship in enumerate(ships))
+        epochs.append(Epoch(START + timedelta(seconds=2.5 * turn), tuple(targets), marks))
+        poses.append(OwnPose(here, 30.0))
+    return epochs, poses
+
+
+def test_of_two_echoes_near_one_ship_the_nearer_is_paired() -> None:
+    epochs, poses = past_two_ships()
+    found = grey_association(epochs, poses)
+    assert sorted(map(tuple, found.pairs.tolist())) == [(0, 0), (1, 1)]
+    assert found.method == "grey_relational"
+    assert found.probability.max() <= 1.0
+
+
+def test_poses_between_fixes_lie_on_straight_lines_and_headings_go_the_short_way() -> None:
+    epochs, poses = past_two_ships(5)
+    first, last = (epoch.time_utc.timestamp() for epoch in (epochs[0], epochs[-1]))
+    known = {first: OwnPose(poses[0].position, 350.0), last: OwnPose(poses[-1].position, 10.0)}
+    between = poses_between(epochs, known)
+    assert inverse(between[2].position, poses[2].position)[0] < 0.1
+    assert math.cos(math.radians(between[2].heading_deg)) == pytest.approx(1.0)
+    alone = poses_between(epochs, {last: poses[-1]})
+    assert inverse(alone[0].position, poses[-1].position)[0] < 1e-6
+
+
+def test_grey_pairs_need_a_pose_for_every_epoch() -> None:
+    epochs, poses = past_two_ships(5)
+    with pytest.raises(InputError, match="as many own poses as epochs"):
+        grey_association(epochs, poses[1:])
+    with pytest.raises(InputError, match="one known pose at least"):
+        poses_between(epochs, {})
