@@ -43,6 +43,7 @@ FREE = {  # class B, with 43 ships, keeps how class A turns; its share of the sp
     "B": ("clock_sigma_s", "speed_sigma_mps", "path_floor_mps", "path_time_s", "unsteady_share"),
 }
 HALVES = 3  # times that the ships are halved
+MOST_FITTED = 8000  # samples of a fit, drawn at random
 
 
 @dataclass(frozen=True)
@@ -201,7 +202,10 @@ def fitted(
     """
     from scipy.optimize import minimize
 
-    logs, at = np.log(np.maximum(error_m[where], 0.05)), [FITTED.index(key) for key in free]
+    rows = np.flatnonzero(where)
+    if len(rows) > MOST_FITTED:
+        rows = np.sort(np.random.default_rng(1).choice(rows, MOST_FITTED, replace=False))
+    logs, at = np.log(np.maximum(error_m[rows], 0.05)), [FITTED.index(key) for key in free]
 
     def constants(log_x: np.ndarray) -> np.ndarray:
         x = start.copy()
@@ -209,7 +213,7 @@ def fitted(
         return x
 
     def loss(log_x: np.ndarray) -> float:
-        off = logs - np.log(BOUND * growth.sigma_m(constants(log_x), where))
+        off = logs - np.log(BOUND * growth.sigma_m(constants(log_x), rows))
         return float(np.mean(np.where(off > 0.0, 0.95 * off, -0.05 * off)))
 
     x = np.log(np.maximum(start[at], 1e-3))
@@ -288,6 +292,10 @@ def main() -> None:
                 constants, shares = fit.split("\n\n")
                 print(constants, "\n", shares)
                 parts.append(f"{HALVED}\n\n{shares}\n")
+                from tests.benchmarks.bench_motion_halves import report
+
+                parts.append(f"{UNUSED}\n\n{report(chosen)}\n")
+                print(parts[-1])
     if len(parts) >= 4 and "--quick" not in sys.argv and "--fit" in sys.argv:
         PAGE.write_text("\n".join(parts), encoding="utf-8")
 
@@ -297,6 +305,11 @@ INTRODUCTION = """# Motion models in figures
 One report of a moving ship is left out and predicted: error in metres, median / 95 %, in brackets the share inside the
 95 % bound of the sigma that the model states. Spline and smoother know the reports on both sides, from the same
 distance in time; the others the reports before alone. Written by `python tests/benchmarks/bench_motion.py --fit`.
+"""
+UNUSED = """## The default on ships that it was not chosen with
+
+Ships are halved at random; on one half the constants of the persisting motion are chosen anew, one after the other from
+a few values each, beginning with none of turn or change of speed going on (`bench_motion_halves.py`):
 """
 COVERAGE = """Share of the errors inside the 95 % bound of the default, in %, by class and age; 20 reports and more a
 cell. The constants in `models/ais` come from these ships."""

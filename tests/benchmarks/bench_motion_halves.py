@@ -99,27 +99,30 @@ def halves(chosen: Sequence[Sample], seed: int = 1) -> tuple[list[Sample], list[
     return made[0], made[1]
 
 
-def main() -> None:
-    """Print one table in Markdown."""
-    tracks = real_tracks()
-    if not tracks:
-        print("shared data absent")
-        return
-    one, two = halves([s for s in samples(tracks) if s.age_s in AGES_S])
-    found: dict[str, list[np.ndarray]] = {"constant velocity": [], "chosen on the other half": [], "as shipped": []}
-    tried = [*two, *one]
+def report(chosen: Sequence[Sample]) -> str:
+    """Return what was chosen on each half, and the errors on the other one, as Markdown."""
+    one, two = halves([s for s in chosen if s.age_s in AGES_S])
+    found: dict[str, list[np.ndarray]] = {"constant_velocity": [], "chosen on the other half": [], "as shipped": []}
+    lines = []
     for used, other in ((one, two), (two, one)):
         constants = chosen_constants(used)
-        print(", ".join(f"{key} {getattr(constants, key):g}" for key in VALUES), flush=True)
-        found["constant velocity"].append(errors_m(other, constants, by_constant_velocity))
+        lines.append("- " + ", ".join(f"{key} {getattr(constants, key):g}" for key in VALUES))
+        found["constant_velocity"].append(errors_m(other, constants, by_constant_velocity))
         found["chosen on the other half"].append(errors_m(other, constants, faded))
         found["as shipped"].append(errors_m(other, persisting_model(), faded))
-    age = np.array([s.age_s for s in tried])
-    print("\n| model | " + " | ".join(f"{a} s" for a in AGES_S) + " |\n|---|" + "---|" * len(AGES_S))
+    age = np.array([s.age_s for s in [*two, *one]])
+    lines += ["", "| model | " + " | ".join(f"{a} s" for a in AGES_S) + " |", "|---|" + "---|" * len(AGES_S)]
     for name, parts in found.items():
         error = np.concatenate(parts)
         cells = ["{:.1f} / {:.0f}".format(*np.percentile(error[age == a], [50, 95])) for a in AGES_S]
-        print(f"| {name} | " + " | ".join(cells) + " |")
+        lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Print the report."""
+    tracks = real_tracks()
+    print(report(samples(tracks)) if tracks else "shared data absent")
 
 
 if __name__ == "__main__":

@@ -126,7 +126,7 @@ def windows(args: argparse.Namespace) -> None:
     """Cold windows of every recording, by length."""
     print("\n## Cold windows\n\n" + HEAD + "\n" + RULE)
     for run in measured():
-        for length_s in (30.0, 60.0, 120.0):
+        for length_s in (10.0, 30.0, 60.0, 120.0):
             print(cold(run, length_s, args.step, window_model(), association_model()).row(), flush=True)
 
 
