@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from navfix.catalog import NavigatorModel
 from navfix.sequence.acceptance import Acceptance, Blind
@@ -102,7 +103,8 @@ class Belief:
         """End a track: what was given out stays in mind, and nothing is given out now."""
         self.reason = reason if not reason.startswith("conflict") else f"{reason}; none is given out"
         if track.standing.stated is not None:
-            self.former = Former(track.place_at(now_s), track.standing.stated, now_s)
+            place = replace(track.place_at(now_s), yaw=self.bank.yaw)
+            self.former = Former(place, track.standing.stated, now_s)
 
     def elsewhere(self, place: Place, now_s: float) -> list[Hypothesis]:
         """Return the believed places that are not this one."""
