@@ -61,6 +61,7 @@ class NavigatorModel:
     doubt_per_hour: float
     most_doubt: float
     former_s: float
+    older_s: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,7 @@ class Belief:
         solved, fed : whether a blind solve was made now, whether the bank was fed now
         plain : the blind solve of now that leaves no doubt, if there is one
         """
+        self._follow_former(now_s)
         if solved or fed:
             self.believed = self.acceptance.accepted(self.bank)
         self.believed = [
@@ -102,7 +103,7 @@ class Belief:
     def _end(self, track: Track, now_s: float, reason: str) -> None:
         """End a track: what was given out stays in mind, and nothing is given out now."""
         self.reason = reason if not reason.startswith("conflict") else f"{reason}; none is given out"
-        if track.standing.stated is not None:
+        if track.standing.stated is not None and not track.lost:
             place = replace(track.place_at(now_s), yaw=self.bank.yaw)
             self.former = Former(place, track.standing.stated, now_s)
 
@@ -136,17 +137,29 @@ class Belief:
     def _begin(self, place: Place, lead: float, now_s: float) -> Track | None:
         """Return a track at a place, None while a former place that was given out speaks against it."""
         model, former = self._model, self.former
-        if former is not None and former.reaches(place, model):
-            former = None
+        if former is not None and (former.agrees(place, model) or self._older(place, former)):
+            self.former = former = None
         if former is not None:
             doubt = against(by_lead(lead, model), former.doubt_at(now_s, model))
             if doubt > model.most_doubt:
                 self.reason = (
-                    f"conflict: another place was given out {now_s - former.ended_s:.0f} s ago; that this one is wrong "
-                    f"has a probability of {doubt:.2f}"
+                    f"conflict: another place was given out {now_s - former.ended_s:.0f} s ago, and all AIS may have "
+                    f"jumped since; that this one is wrong has a probability of {doubt:.2f}"
                 )
                 return None
         return Track(place, model, now_s, standing=Standing(model, now_s, lead, former))
+
+    def _older(self, place: Place, former: Former) -> bool:
+        """Tell whether a place was followed long before another ended: then it is no jump of AIS; its lead counts."""
+        here = self.bank.near(place)
+        followed_s = 0.0 if here is None else here.windows * self._model.bank_every_s
+        return followed_s >= place.time_s - former.ended_s + self._model.older_s
+
+    def _follow_former(self, now_s: float) -> None:
+        """Move a former place along with own ship, as the best place of the bank tells her motion."""
+        if self.former is not None:
+            best = self.bank.hypotheses[0].place if self.bank.hypotheses else self.former.place
+            self.former = self.former.moved(now_s, best.velocity_mps, self._model)
 
     def _why_cold(self) -> str:
         if not self.bank.hypotheses:

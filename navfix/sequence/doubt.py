@@ -8,7 +8,7 @@ bounds: eq. (14.3) of the theory.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from navfix.catalog import NavigatorModel
 from navfix.sequence.places import Place
@@ -48,11 +48,13 @@ class Former:
         """Return how likely it was wrong, as far as it still counts: its memory fades with ``former_s``."""
         return aged(self.doubt, now_s - self.ended_s, 3600.0 / model.former_s)
 
-    def reaches(self, place: Place, model: NavigatorModel) -> bool:
-        """Tell whether another place may be this one some time later."""
-        after_s = place.time_s - self.place.time_s
-        near_m = model.apart_m + model.gap_mps * after_s
-        return not self.place.carried(place.time_s, model).differs(place, near_m, model.apart_deg)
+    def moved(self, now_s: float, velocity_mps: complex, model: NavigatorModel) -> Former:
+        """Return it moved along as own ship does: if all AIS have jumped, own ship still lies as far from them."""
+        return replace(self, place=replace(self.place, velocity_mps=velocity_mps).carried(now_s, model))
+
+    def agrees(self, place: Place, model: NavigatorModel) -> bool:
+        """Tell whether another place is this one some time later."""
+        return not self.place.carried(place.time_s, model).differs(place, model.apart_m, model.apart_deg)
 
 
 class Standing:

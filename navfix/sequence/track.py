@@ -73,6 +73,11 @@ class Track:
         if not self.given_up:
             self.given_up = _why_lost(self.place_at(now_s), self._model)
 
+    @property
+    def lost(self) -> bool:
+        """Whether own ship may be anywhere by now."""
+        return self.given_up.startswith("lost")
+
     def agrees(self, place: Place) -> bool:
         """Tell whether another place of now is this one, and lies the same way round."""
         return not self.place_at(place.time_s).differs(place, self._model.apart_m, self._model.apart_deg)

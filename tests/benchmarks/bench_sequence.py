@@ -29,9 +29,10 @@ from navfix.errors import NoFix
 from navfix.geodesy import inverse
 from navfix.report.truth import TruthTrack
 from navfix.sequence import Navigator
-from navfix.types import Epoch, Fix
+from navfix.types import Epoch, Fix, TrackState
 
 WRONG_M = 500.0
+UNCONFIRMED_S = 60.0
 HEAD = "| run | tried | answered % | median m | 95 % m | worst m | ellipse holds % | wrong > 500 m | CPU s each |"
 RULE = "|---|---|---|---|---|---|---|---|---|"
 
@@ -48,6 +49,8 @@ class Tally:
     def __post_init__(self) -> None:
         self.errors_m: list[float] = []
         self.held: list[bool] = []
+        self.doubts: list[float] = []
+        self.unconfirmed_s = 0.0
 
     def take(self, fix: Fix | None, epoch: Epoch, track: TruthTrack | None) -> None:
         """Count one answer."""
@@ -60,6 +63,18 @@ class Tally:
         off = distance_m * np.array([np.cos(azimuth), np.sin(azimuth)])
         self.errors_m.append(distance_m)
         self.held.append(bool(off @ np.linalg.solve(fix.covariance[:2, :2], off) <= 5.991))
+
+    def note(self, track: TrackState, step_s: float = 5.0) -> None:
+        """Take what the navigator says of its place: the doubt, and for how long it was given out unconfirmed."""
+        if track.probability_wrong is not None:
+            self.doubts.append(track.probability_wrong)
+            self.unconfirmed_s += step_s * ((track.confirmed_age_s or 0.0) > UNCONFIRMED_S)
+
+    def told(self) -> str:
+        """Return the words for what was said of a navigator's place."""
+        first = "never" if self.first_s is None else f"{self.first_s:.0f} s"
+        doubt = f", doubt {np.median(self.doubts):.3f}, at most {max(self.doubts):.3f}" if self.doubts else ""
+        return f", first fix {first}{doubt}, unconfirmed for {self.unconfirmed_s:.0f} s"
 
     def row(self) -> str:
         """Return the row of a table."""
@@ -98,8 +113,8 @@ def cold(run: scenes.Run, length_s: float, step_s: float, model: WindowModel, sh
     return tally
 
 
-def navigated(run: scenes.Run, step_s: float = 5.0, begin_s: float = 0.0) -> Tally:
-    """Run the whole navigator; scans before the first fix are not counted."""
+def navigated(run: scenes.Run, step_s: float = 5.0, begin_s: float = 0.0, *, first_only: bool = False) -> Tally:
+    """Run the whole navigator, or up to its first fix; scans before that are not counted."""
     tally, navigator, last_s, origin_s = Tally(run.name), Navigator(), -np.inf, None
     for epoch in run.epochs():
         now_s = epoch_time(epoch)
@@ -116,6 +131,9 @@ def navigated(run: scenes.Run, step_s: float = 5.0, begin_s: float = 0.0) -> Tal
             tally.first_s = now_s - origin_s
             tally.tried = 0
         tally.take(outcome.fix, epoch, run.truth)
+        tally.note(outcome.track)
+        if first_only and tally.first_s is not None:
+            break
     return tally
 
 
@@ -157,12 +175,14 @@ def runs(args: argparse.Namespace) -> None:
     print("\n## Navigator, after the first fix\n\n" + HEAD + "\n" + RULE)
     for run in measured():
         tally = navigated(run)
-        tally.name += f", first fix {'never' if tally.first_s is None else f'{tally.first_s:.0f} s'}"
+        tally.name += tally.told()
         print(tally.row(), flush=True)
     for run in measured(("marce/marce_01_004", "marce/marce_01_010")):
+        if not args.restart:
+            break
         length_s = epoch_time(run.epochs()[-1]) - epoch_time(run.epochs()[0])
         begins = np.arange(0.0, length_s - 200.0, args.restart)
-        first = [navigated(run, begin_s=float(begin)).first_s for begin in begins]
+        first = [navigated(run, begin_s=float(begin), first_only=True).first_s for begin in begins]
         waits = np.array([np.inf if f is None else f for f in first])
         print(f"\n{run.name}: {len(begins)} restarts, median wait {np.median(waits):.0f} s, worst {waits.max():.0f} s")
 
@@ -174,7 +194,7 @@ def ports(args: argparse.Namespace) -> None:
         for share, targets in sequence_controls.PORTS:
             run = scenes.port(100 + seed, ais_share=share, targets=targets, duration_s=600.0)
             tally = navigated(run)
-            tally.name = f"{run.name}, {targets} echoes, first {tally.first_s}"
+            tally.name = f"{run.name}, {targets} echoes{tally.told()}"
             print(tally.row(), flush=True)
 
 
@@ -203,7 +223,7 @@ def main() -> None:
     parser.add_argument("--results", type=Path, help="file that keeps the negative controls done so far")
     parser.add_argument("--seeds", type=int, default=1, help="of simulated ports")
     parser.add_argument("--step", type=float, default=20.0, help="seconds between cold windows")
-    parser.add_argument("--restart", type=float, default=120.0, help="seconds between restarts")
+    parser.add_argument("--restart", type=float, default=120.0, help="seconds between restarts, 0 for none")
     args = parser.parse_args()
     for name in args.tables or TABLES:
         TABLES[name](args)

@@ -123,16 +123,35 @@ def test_one_of_two_places_is_wrong_and_the_likelier_one_the_more():
     assert against(0.1, 0.3) + against(0.3, 0.1) == pytest.approx(1.0)
 
 
-def test_a_former_place_bars_another_until_it_has_faded_and_not_itself():
+def after_a_former_place(other: Hypothesis, after_s: float) -> Belief:
     belief = Belief(MODEL)
     belief.former = Former(place(), MODEL.doubt_reached, NOW_S)
-    belief.believed = [hypothesis(place(54.1), 30.0)]
-    assert belief.decide(None, NOW_S + 1.0, solved=False, fed=False) is None
+    other.place = replace(other.place, time_s=NOW_S + after_s)
+    belief.bank.hypotheses = belief.believed = [other]
+    return belief
+
+
+@pytest.mark.parametrize("after_s", [1.0, 900.0])
+def test_a_former_place_bars_one_that_appears_after_it_and_not_itself(after_s: float):
+    belief = after_a_former_place(hypothesis(place(54.1), 30.0), after_s)
+    assert belief.decide(None, NOW_S + after_s, solved=False, fed=False) is None
     assert belief.reason.startswith("conflict: another place was given out")
-    belief.believed = [hypothesis(replace(place(54.1), time_s=NOW_S + 3600.0), 30.0)]
-    assert belief.decide(None, NOW_S + 3600.0, solved=False, fed=False) is not None
-    belief.believed = [hypothesis(place(), 30.0)]
-    assert belief.decide(None, NOW_S + 1.0, solved=False, fed=False) is not None
+    belief = after_a_former_place(hypothesis(place(), 30.0), after_s)
+    assert belief.decide(None, NOW_S + after_s, solved=False, fed=False) is not None
+
+
+def test_a_rival_that_was_followed_long_before_is_no_jump_of_all_ais():
+    rival = hypothesis(place(54.1), 30.0)
+    rival.windows = 12
+    assert after_a_former_place(rival, 60.0).decide(None, NOW_S + 60.0, solved=False, fed=False) is not None
+
+
+def test_a_former_place_moves_along_with_own_ship():
+    other = hypothesis(replace(place(54.1), velocity_mps=5.0 + 0j), 30.0)
+    belief = after_a_former_place(other, 600.0)
+    belief.decide(None, NOW_S + 600.0, solved=False, fed=False)
+    assert belief.former is not None
+    assert belief.former.place.distance_m(replace(place(), time_s=NOW_S + 600.0)) == pytest.approx(3000.0, rel=1e-3)
 
 
 def test_a_place_that_ends_in_a_conflict_stays_in_mind_as_it_was_stated():
