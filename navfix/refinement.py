@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from navfix.adjustment.window import adjust_window
+from navfix.adjustment.window import KnownPose, adjust_window
 from navfix.association.window.associate import WindowAnswer
 from navfix.catalog import RadarModel
 from navfix.errors import NoFix
@@ -21,7 +21,12 @@ AGREES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
 
 
 def refined(
-    epochs: Sequence[Epoch], found: WindowAnswer, *, radar: RadarModel | str = "imo", kernel: Kernel | str = "hampel"
+    epochs: Sequence[Epoch],
+    found: WindowAnswer,
+    *,
+    radar: RadarModel | str = "imo",
+    kernel: Kernel | str = "hampel",
+    prior: KnownPose | None = None,
 ) -> Fix:
     """Adjust the pairs that the association of a window found, from its pose, over all of its epochs.
 
@@ -35,6 +40,7 @@ def refined(
     epochs : the window that was associated
     found : what `navfix.association.window.associate.solve_window` said of it
     radar, kernel : as for `navfix.fix`
+    prior : pose at the first epoch that the association knew too, from data older than the window
 
     Returns
     -------
@@ -45,7 +51,9 @@ def refined(
     heading_deg = found.association.heading_deg  # of true bearings only how they are turned: the fix has no heading
     assert heading_deg is not None
     try:
-        fine = adjust_window(epochs, found.labels, start=(rough.position, heading_deg), radar=radar, kernel=kernel)
+        fine = adjust_window(
+            epochs, found.labels, start=(rough.position, heading_deg), radar=radar, kernel=kernel, prior=prior
+        )
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
     if _misfit_sq(rough, fine) > AGREES:

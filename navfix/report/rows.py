@@ -35,6 +35,11 @@ class PairRow:
         """The mark's name, else its label."""
         return (self.mark.name if self.mark is not None else None) or self.mark_label
 
+    @property
+    def stands_off(self) -> bool:
+        """Whether a residual is larger than its sigma: the mean of a window's sightings may fit where they do not."""
+        return any(abs(o.residual) > o.sigma for o in (self.range, self.bearing) if o is not None)
+
 
 def pair_rows(fix: Fix) -> list[PairRow]:
     """Return one row for every pair, in the order of the observations."""

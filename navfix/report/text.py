@@ -145,6 +145,8 @@ def outlier_words(row: PairRow) -> str:
     said = "charted" if row.mark is not None and row.mark.kind == "charted" else "AIS"
     if row.mark is None:
         said = "given"
+    if not row.stands_off:
+        return f"{pair}: left out or damped, its sightings contradict each other; their mean fits the {said} position"
     if row.offset_m is not None and row.offset_azimuth_deg is not None:
         metres = about(row.offset_m)
         return f"{pair}: {said} position about {metres} off along {words.direction(row.offset_azimuth_deg)}"

@@ -9,12 +9,14 @@ from functools import cached_property
 
 import numpy as np
 
+from navfix.adjustment.window import KnownPose
 from navfix.association.window.joint import Window
 from navfix.association.window.knots import PosePrior
+from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel
 from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
 from navfix.sequence.yaw import YawLog
-from navfix.types import FloatArray, Position
+from navfix.types import Epoch, FloatArray, Position
 from navfix.units import wrap_180
 
 
@@ -87,3 +89,11 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
         np.radians([p.heading_deg for p in places]) - turns,
         np.array([model.prior_factor**2 * p.covariance + widened for p in carried]),
     )
+
+
+def as_known_pose(place: Place, epoch: Epoch, model: NavigatorModel) -> KnownPose:
+    """Return a place as what is known of the first epoch of a window that uses none of its data, widened as above."""
+    first_s = epoch_time(epoch)
+    there = place.carried(first_s, model, max(0.0, first_s - place.time_s))
+    widened = np.diag([model.prior_m**2, model.prior_m**2, math.radians(model.prior_deg) ** 2])
+    return KnownPose(there.position, there.heading_deg, model.prior_factor**2 * there.covariance + widened)

@@ -17,7 +17,7 @@ from navfix.integrity import with_window_integrity
 from navfix.refinement import refined
 from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
-from navfix.sequence.places import Place, as_prior
+from navfix.sequence.places import Place, as_known_pose, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
 
@@ -100,10 +100,7 @@ class Track:
         return fits[0] if fits else None
 
     def take_blind(self, found: Joint, epoch: Epoch, now_s: float, row: int = 0) -> Held:
-        """Take a blind answer at this place as the fix, its scans adjusted as one graph.
-
-        A window with a prior stays as it was solved: the graph knows no prior and would be worse off.
-        """
+        """Take a blind answer at this place as the fix, its scans adjusted as one graph."""
         found = Joint(found.window, found.answers.take(np.roll(np.arange(len(found.answers)), -row)))
         window, answers = found.window, found.answers
         pose = jackknife.pose_at_end(
@@ -116,7 +113,7 @@ class Track:
         return self._take(Held(place, refined(window.epochs, answer), answer.association, given_place, "blind"), now_s)
 
     def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
-        """Solve a window with a prior from before it, and take what it says."""
+        """Solve a window with a prior from before it, and take what its graph says, the prior one of its factors."""
         prior = as_prior([begin], window, self._model)
         found = joint.warm(window, prior)
         answers = found.answers
@@ -127,7 +124,10 @@ class Track:
         # Nothing but this place was looked at: there is no margin, and of being wrong only what is known of the track.
         association = replace(answer.association, margin=None, probability_wrong=self.probability_wrong)
         enough = int(answers.marks[0]) >= self._model.fewest_marks
-        fix = replace(answer.fix, association=association) if enough else None
+        fix = None
+        if enough:
+            answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
+            fix = refined(window.epochs, answer, prior=as_known_pose(begin, window.epochs[0], self._model))
         return self._take(
             Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )

@@ -27,6 +27,7 @@ from navfix.association.window.tracks import epoch_time
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import NoFix
 from navfix.geodesy import inverse
+from navfix.refinement import refined
 from navfix.report.truth import TruthTrack
 from navfix.sequence import Navigator
 from navfix.types import Epoch, Fix, TrackState
@@ -62,7 +63,7 @@ class Tally:
         azimuth = np.radians(azimuth_deg)
         off = distance_m * np.array([np.cos(azimuth), np.sin(azimuth)])
         self.errors_m.append(distance_m)
-        self.held.append(bool(off @ np.linalg.solve(fix.covariance[:2, :2], off) <= 5.991))
+        self.held.append(bool(off @ np.linalg.solve(fix.covariance[:2, :2], off) <= _radius_sq(fix.dof)))
 
     def note(self, track: TrackState, step_s: float = 5.0) -> None:
         """Take what the navigator says of its place: the doubt, and for how long it was given out unconfirmed."""
@@ -88,6 +89,11 @@ class Tally:
         )
 
 
+def _radius_sq(dof: float) -> float:
+    """Return the squared radius of the 95 % ellipse in sigma: the F quantile of a fix's own degrees of freedom."""
+    return 5.991 if np.isinf(dof) else dof * (0.05 ** (-2.0 / dof) - 1.0)
+
+
 def cut(scans: Sequence[Epoch], length_s: float, step_s: float) -> Iterator[tuple[Epoch, ...]]:
     """Yield windows that end ``step_s`` apart."""
     kept: deque[Epoch] = deque()
@@ -107,7 +113,7 @@ def cold(run: scenes.Run, length_s: float, step_s: float, model: WindowModel, sh
     for window in cut(run.epochs(), length_s, step_s):
         began_s, fix = time.process_time(), None
         with contextlib.suppress(NoFix):
-            fix = associate.solve_window(window, model=model, shared=shared)[0]
+            fix = refined(window, associate.solve_window(window, model=model, shared=shared))
         tally.cpu_s += time.process_time() - began_s
         tally.take(fix, window[-1], run.truth)
     return tally

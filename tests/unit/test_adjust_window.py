@@ -11,7 +11,7 @@ import pytest
 
 from navfix import catalog
 from navfix.adjustment import graph
-from navfix.adjustment.window import adjust_window, solve_window
+from navfix.adjustment.window import KnownPose, adjust_window, solve_window
 from navfix.adjustment.window.components import expected_components
 from navfix.adjustment.window.problem import sightings_of, window_of
 from navfix.adjustment.window.rows import COMPONENTS, NEW_BEARING, NEW_RANGE, STEADY_BEARING, STEADY_RANGE, Plan
@@ -19,10 +19,11 @@ from navfix.adjustment.window.start import initial_state
 from navfix.errors import InputError, NoFix, TooFewPairs
 from navfix.geodesy import LocalPlane, inverse
 from navfix.integrity import with_integrity
-from navfix.types import Association, Epoch, HeadingHint, Position
+from navfix.types import Association, Epoch, HeadingHint, Mark, Position
 from navfix.units import wrap_180
-from tests.window_scenes import Errors, Passage, passage, without_sensors
+from tests.window_scenes import OWN, Errors, Passage, passage, without_sensors
 
+needs_gtsam = pytest.mark.skipif(not graph.available(), reason="GTSAM is not installed")
 EXACT = Errors(
     range_m=1e-3, bearing_deg=1e-5, mark_m=1e-3, range_bias_m=0.0, gyro_deg=1e-4, gyro_bias_deg=3.0, log_mps=1e-4
 )
@@ -46,7 +47,7 @@ def test_a_window_is_solved_across_the_date_line_and_at_high_latitude(own: Posit
     assert np.hypot(*p.error(adjust_window(p.epochs, p.pairs).position)) < 0.05
 
 
-@pytest.mark.skipif(not graph.available(), reason="GTSAM is not installed")
+@needs_gtsam
 @pytest.mark.parametrize("sensors", [True, False])
 def test_the_factor_graph_and_the_normal_equations_agree(sensors: bool) -> None:
     p = scene(1, epochs=10, targets=12, wrong=2, sensors=sensors, mates=0.5)
@@ -68,7 +69,7 @@ def test_derivatives_are_those_of_the_residuals(reference: str) -> None:
     sightings = sightings_of(epochs, p.pairs)
     window = window_of(
         epochs, sightings, p.plane, radar=catalog.radar_model("imo"), model=catalog.adjustment_model(),
-        compass_sigma_deg=1.5,
+        compass_sigma_deg=1.5, prior=known(p, 20.0, 2.0, (30.0, -10.0)),
     )  # fmt: skip
     plan = Plan.of(window)
     rng = np.random.default_rng(5)
@@ -107,6 +108,44 @@ def test_the_ellipse_follows_how_much_of_the_error_stays() -> None:
     assert 0.8 < np.mean(inside[0.8]) < 4.0
 
 
+def known(p: Passage, sigma_m: float, sigma_deg: float, off_m: tuple[float, float] = (0.0, 0.0)) -> KnownPose:
+    north_m, east_m, heading_rad = p.truth[0].tolist()
+    place = p.plane.to_position(north_m + off_m[0], east_m + off_m[1])
+    covariance = np.diag([sigma_m**2, sigma_m**2, math.radians(sigma_deg) ** 2])
+    return KnownPose(place, math.degrees(heading_rad) + p.plane.convergence_deg(place), covariance)
+
+
+@pytest.mark.parametrize("solver", ["dense", pytest.param("gtsam", marks=needs_gtsam)])
+def test_a_pose_known_beforehand_is_one_factor_of_the_network(solver: str) -> None:
+    p = scene(21, targets=3, epochs=3)
+    free = adjust_window(p.epochs, p.pairs, solver=solver)
+    loose = adjust_window(p.epochs, p.pairs, prior=known(p, 1e6, 170.0), solver=solver)
+    tight = adjust_window(p.epochs, p.pairs, prior=known(p, 1.0, 0.1), solver=solver)
+    assert isinstance(free.position, Position)
+    assert isinstance(loose.position, Position)
+    assert inverse(free.position, loose.position)[0] < 0.1, "what says nothing changes nothing"
+    error = p.error(tight.position)
+    assert error @ np.linalg.solve(tight.covariance[:2, :2], error) < 16.0
+    assert np.trace(tight.covariance[:2, :2]) < 0.5 * np.trace(free.covariance[:2, :2])
+
+
+def test_a_prior_and_the_data_meet_by_their_weights() -> None:
+    p = scene(22, targets=8, epochs=1, errors=Errors(mark_m=5.0))
+    free = adjust_window(p.epochs, p.pairs, solver="dense")
+    sigma_m = math.sqrt(0.5 * np.trace(free.cofactor_matrix[:2, :2]))
+    pulled = adjust_window(p.epochs, p.pairs, prior=known(p, sigma_m, 30.0, (3.0 * sigma_m, 0.0)), solver="dense")
+    moved = (p.error(pulled.position) - p.error(free.position))[0] / (3.0 * sigma_m - p.error(free.position)[0])
+    assert 0.3 < moved < 0.7, "half of the way where both are as sure"
+
+
+def test_where_bearings_are_true_the_known_angle_is_the_compass_error() -> None:
+    p = scene(23, targets=4, epochs=4, bearing_reference="true", errors=Errors(gyro_bias_deg=0.0))
+    prior = KnownPose(OWN, 1.25, np.diag([1e8, 1e8, math.radians(0.001) ** 2]))
+    fix = adjust_window(p.epochs, p.pairs, prior=prior)
+    assert fix.heading_deg is None
+    assert fix.compass_error_deg == pytest.approx(1.25, abs=0.01)
+
+
 def test_wrong_marks_are_named_and_do_not_move_the_fix() -> None:
     p = scene(4, epochs=12, targets=12, wrong=4)
     fix = adjust_window(p.epochs, p.pairs)
@@ -124,11 +163,26 @@ def test_the_window_is_better_than_its_newest_scan_and_says_what_it_estimated() 
     assert abs(float(told[1]) - math.hypot(0.5, 0.33)) < 0.2
     assert abs(wrap_180(float(told[2]) - math.degrees(math.atan2(-0.33, 0.5)))) < 25.0
     assert "clock offset" in said
-    assert "offsets of marks [m]: " in said
+    assert "stand off" not in said, "offsets that the marks' own sigmas explain are no news"
     assert fix.epoch is not None
     assert fix.epoch.time_utc == p.epochs[-1].time_utc
     assert fix.ellipse().semi_major_m < 20.0
     assert with_integrity(fix).integrity is not None
+
+
+def test_a_mark_that_stands_off_is_named_and_no_other() -> None:
+    p = scene(24, epochs=20, targets=14, errors=Errors(mark_m=5.0))
+    moved = [
+        replace(e, marks=tuple(_beside(m, p.plane, 120.0) if m.label == "m3" else m for m in e.marks)) for e in p.epochs
+    ]
+    said = [note for note in adjust_window(moved, p.pairs, kernel="none").notes if "stand off" in note]
+    assert len(said) == 1
+    assert re.findall(r"m\d+(?= [+-])", said[0]) == ["m3"]
+
+
+def _beside(mark: Mark, plane: LocalPlane, off_m: float) -> Mark:
+    north_m, east_m = plane.to_plane(mark.position).tolist()
+    return replace(mark, position=plane.to_position(north_m + off_m, east_m))
 
 
 def test_a_number_that_is_given_to_another_ship_is_another_track() -> None:

@@ -14,6 +14,7 @@ from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.solve import Solver
 from navfix.adjustment.window.components import Judged, with_components
 from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
+from navfix.adjustment.window.prior import KnownPose
 from navfix.adjustment.window.problem import Pairs, Sighting, Window, replaced, sightings_of, times_of, window_of
 from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
@@ -57,6 +58,7 @@ def adjust_window(
     damping: Damping = "joint",
     model: AdjustmentModel | str = "window",
     compass_sigma_deg: float | None = None,
+    prior: KnownPose | None = None,
     solver: Solver = "auto",
 ) -> Fix:
     """Adjust own ship's position and heading at the newest of several epochs from all of them together.
@@ -78,6 +80,7 @@ def adjust_window(
     damping : "joint" (range and bearing of a sighting together) or "separate"
     model : constants, by name in models/adjustment or as a record
     compass_sigma_deg : of the error common to all true bearings; default the radar model's
+    prior : pose at the first epoch as data from before the window have it; a factor of the network, eq. (10.6a)
     solver : "gtsam", "dense" (own normal equations), or "auto": GTSAM where it is installed
 
     Returns
@@ -98,7 +101,7 @@ def adjust_window(
     radar, kernel = radar_model(radar), catalog.kernel(kernel)
     solved = solve_window(
         epochs, pairs, start=start, radar=radar, kernel=kernel, damping=damping, model=model,
-        compass_sigma_deg=compass_sigma_deg, solver=solver,
+        compass_sigma_deg=compass_sigma_deg, prior=prior, solver=solver,
     )  # fmt: skip
     return fix_of(
         epochs, sightings_of(epochs, pairs), solved.window, solved.found, solved.cofactor, kernel, solved.solver
@@ -115,6 +118,7 @@ def solve_window(
     damping: Damping = "joint",
     model: AdjustmentModel | str = "window",
     compass_sigma_deg: float | None = None,
+    prior: KnownPose | None = None,
     solver: Solver = "auto",
 ) -> Solved:
     """Solve as `adjust_window` does and return everything: the smoother takes the poses of all epochs from it."""
@@ -123,7 +127,7 @@ def solve_window(
     anchor, given = _given(epochs, sightings, start, radar, kernel)
     window = window_of(
         epochs, sightings, LocalPlane(given[anchor][0]), radar=radar, model=catalog.adjustment_model(model),
-        compass_sigma_deg=radar.compass_sigma_deg if compass_sigma_deg is None else compass_sigma_deg,
+        compass_sigma_deg=radar.compass_sigma_deg if compass_sigma_deg is None else compass_sigma_deg, prior=prior,
     )  # fmt: skip
     poses = _start_poses(window, anchor, given)
     for _ in range(_CENTRINGS):

@@ -1,4 +1,4 @@
-"""How own ship moved between the epochs: by log and gyro where there are any, else by what ships can do."""
+"""How own ship moved: by log and gyro where there are any, else by what ships can do, from a known pose if any."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from navfix.adjustment.window.prior import known_pose_rows
 from navfix.adjustment.window.problem import Window, gyro_steps
 from navfix.adjustment.window.state import CURRENT_EAST, CURRENT_NORTH, Layout
 from navfix.types import FloatArray, IntArray
@@ -24,6 +25,7 @@ def motion_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[Floa
         (*_by_inertia(window, layout, state), _MOVE),
         (*_first_speed(window, layout, state), _GIVEN),
         (*_unseen_heading(window, layout, state), _GIVEN),
+        (*known_pose_rows(window, layout, state, _WIDTH), _GIVEN),
     ]
     component = np.concatenate([np.full(len(part[0]), part[3]) for part in parts])
     residual, columns, values = (np.concatenate([part[i] for part in parts]) for i in range(3))

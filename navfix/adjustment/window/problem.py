@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from navfix.adjustment.window.prior import KnownPose, PlanePose, on_plane
 from navfix.catalog import AdjustmentModel, RadarModel
 from navfix.errors import InputError, TooFewPairs
 from navfix.geodesy import LocalPlane
@@ -17,7 +18,6 @@ from navfix.units import wrap_pi
 
 Pairs = Mapping[str, str] | Association | Sequence[Mapping[str, str] | Association]
 _SAME_INSTANT_S = 0.05
-GLOBALS = ("clock", "range_bias", "compass", "current_north", "current_east")
 
 
 class Sighting(NamedTuple):
@@ -78,7 +78,10 @@ class OwnSensors:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Window:
-    """Everything on one plane. ``mark_sigma_m`` (n,): of each mark's offset that stays; ``time_s`` (E,) POSIX."""
+    """Everything on one plane. ``mark_sigma_m`` (n,): of each mark's offset that stays; ``time_s`` (E,) POSIX.
+
+    ``prior`` is the pose of the first epoch as older data have it, None where nothing is known.
+    """
 
     plane: LocalPlane
     time_s: FloatArray
@@ -89,6 +92,7 @@ class Window:
     own: OwnSensors
     model: AdjustmentModel
     compass_sigma_rad: float
+    prior: PlanePose | None = None
 
     @property
     def epochs(self) -> int:
@@ -101,7 +105,7 @@ class Window:
 
     @property
     def global_sigma(self) -> FloatArray:
-        """1 sigma of each of `GLOBALS`: s, m, rad, m/s, m/s."""
+        """1 sigma of what all sightings share, as `state.GLOBALS`: s, m, rad, m/s, m/s."""
         model, log = self.model, np.isfinite(self.own.log_mps)
         water = bool(np.any(self.own.through_water & log)) or not np.any(log)
         current = model.current_sigma_mps if water else model.ground_log_sigma_mps
@@ -172,6 +176,7 @@ def window_of(
     radar: RadarModel,
     model: AdjustmentModel,
     compass_sigma_deg: float,
+    prior: KnownPose | None = None,
 ) -> Window:
     """Bring a window onto a plane; sigmas are split into what stays and what is new in every scan."""
     time_s = times_of(epochs)
@@ -199,15 +204,19 @@ def window_of(
     )
     tracks = Tracks(labels, np.array([mark_index[m] for m in track_mark_label]), steady * math.sqrt(model.steady_share))
     return Window(
-        plane, time_s, seen, tracks, mark_labels, least, _own_sensors(epochs), model, math.radians(compass_sigma_deg)
-    )
+        plane, time_s, seen, tracks, mark_labels, least, _own_sensors(epochs), model, math.radians(compass_sigma_deg),
+        on_plane(prior, plane, not bool(np.all(seen.is_true))),
+    )  # fmt: skip
 
 
 def replaced(window: Window, epochs: Sequence[Epoch], sightings: Sequence[Sighting], plane: LocalPlane) -> Window:
     """Return the same window on another plane."""
     places = [s.mark.position for s in sightings]
     ne_m = plane.all_to_plane([p.lat_deg for p in places], [p.lon_deg for p in places])
-    return replace(window, plane=plane, seen=replace(window.seen, place_ne_m=ne_m), own=_own_sensors(epochs))
+    prior = None if window.prior is None else on_plane(window.prior.known, plane, window.any_relative)
+    return replace(
+        window, plane=plane, seen=replace(window.seen, place_ne_m=ne_m), own=_own_sensors(epochs), prior=prior
+    )
 
 
 def _tracks(

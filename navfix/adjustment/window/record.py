@@ -28,7 +28,8 @@ from navfix.kernels import Kernel
 from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray, GlobalTest, Integrity
 from navfix.units import wrap_360
 
-_LISTED = 12  # marks whose offsets are told one by one
+_LISTED = 6  # marks whose offsets are told one by one
+_STANDS_OFF = 3.0  # sigma
 _UNSTEADY = 4.0  # variance component of own sensors from which on the notes say so
 _LEAST_REDUNDANCY = 1e-9
 
@@ -197,7 +198,7 @@ def _notes(window: Window, found: Judged, solver: str, at: int) -> tuple[str, ..
     said = [f"window of {window.epochs} scans over {span_s:.0f} s, {len(window.tracks.label)} tracks; solved by {road}"]
     said += _globals(window, found)
     said += _components(window, found)
-    said.append(_offsets(window, found))
+    said += _offsets(window, found)
     before = window.seen.epoch[window.seen.epoch <= at]
     silent_s = window.time_s[at] - window.time_s[before.max()] if len(before) else 0.0
     if silent_s > 0.0:
@@ -252,13 +253,24 @@ def _components(window: Window, found: Judged) -> list[str]:
     return said
 
 
-def _offsets(window: Window, found: Judged) -> str:
+def _offsets(window: Window, found: Judged) -> list[str]:
+    """Name the marks that stand off by more than chance: an estimate beyond `_STANDS_OFF` times its own spread.
+
+    The estimate is drawn towards 0 by the mark's own sigma, so its spread is what the data have taken off that.
+    """
     layout, state = found.damper.plan.layout, found.descended.state
+    prior = found.damper.components[OFFSET]
     told = []
-    for mark, label in enumerate(window.mark_labels[:_LISTED]):
-        at = int(layout.offset(np.array(mark)))
-        north, east = window.mark_sigma_m[mark] * state[at : at + 2]
-        variance = np.diagonal(found.cofactor)[at : at + 2].max()
-        told.append(f"{label} {north:+.0f} N {east:+.0f} E +- {window.mark_sigma_m[mark] * math.sqrt(variance):.0f}")
-    more = len(window.mark_labels) - len(told)
-    return "offsets of marks [m]: " + ", ".join(told) + (f" and {more} more" if more > 0 else "")
+    for mark, label in enumerate(window.mark_labels):
+        at, sigma_m = int(layout.offset(np.array(mark))), float(window.mark_sigma_m[mark])
+        spread = np.sqrt(np.maximum(prior - np.diagonal(found.cofactor)[at : at + 2], _LEAST_REDUNDANCY))
+        size = float(np.max(np.abs(state[at : at + 2]) / spread))
+        if size > _STANDS_OFF and found.damper.taking_part[mark]:
+            north, east = sigma_m * state[at : at + 2]
+            left = sigma_m * math.sqrt(float(np.diagonal(found.cofactor)[at : at + 2].max()))
+            told.append((size, f"{label} {north:+.0f} N {east:+.0f} E +- {left:.0f}"))
+    if not told:
+        return []
+    named = ", ".join(text for _, text in sorted(told, reverse=True)[:_LISTED])
+    more = f" and {len(told) - _LISTED} more" if len(told) > _LISTED else ""
+    return [f"marks that stand off from where they are said to be [m]: {named}{more}"]

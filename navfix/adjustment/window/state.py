@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from navfix.adjustment.window.problem import GLOBALS, Window
 from navfix.types import FloatArray, IntArray
 
+if TYPE_CHECKING:
+    from navfix.adjustment.window.problem import Window
+
+GLOBALS = ("clock", "range_bias", "compass", "current_north", "current_east")
 CLOCK, RANGE_BIAS, COMPASS, CURRENT_NORTH, CURRENT_EAST = range(len(GLOBALS))
 
 
