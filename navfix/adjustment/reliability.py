@@ -12,8 +12,8 @@ from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, ja
 from navfix.adjustment.whitening import back_to_units, normal_matrix, whiten, whitened, whitener
 from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest
+from navfix.types.adjusted import DELTA0
 
-DELTA0 = 4.1321  # Baarda: bias of a standardised residual found with power .80 by a test at alpha .001
 CONSPICUOUS = 3.2905  # standardised residual that chance exceeds once in a thousand
 GLOBAL_SIGNIFICANCE = 0.05
 FEWEST_DOF = 3.0  # with fewer, sigma0 says too little about the noise and the a priori one is kept

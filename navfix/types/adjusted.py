@@ -13,10 +13,13 @@ from navfix.types.checks import FloatArray, frozen_array, require
 from navfix.types.found import Alternative, Association
 from navfix.types.observed import Epoch
 from navfix.types.places import PlanePosition, Position
+from navfix.units import wrap_360
 
 ObservationKind = Literal["range", "relative_bearing", "true_bearing"]
 HeadingReference = Literal["radar_zero_mark", "bow"]
 CovarianceScaling = Literal["a_priori", "a_posteriori"]
+DELTA0 = 4.1321  # Baarda: bias of a standardised residual found with power .80 by a test at alpha .001
+LEAST_REDUNDANCY = 1e-9  # below this nothing checks an observation
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +81,36 @@ class AdjustedObservation:
     @property
     def unit(self) -> str:
         return "m" if self.kind == "range" else "deg"
+
+    @classmethod
+    def of_track(
+        cls,
+        target: str,
+        mark: str,
+        kind: ObservationKind,
+        *,
+        observed: float,
+        residual: float,
+        sigma: float,
+        redundancy_number: float,
+        weight: float,
+    ) -> AdjustedObservation:
+        """Make the record of a track over a window: ``observed`` and its mean residual with sigma, in m or deg."""
+        adjusted = observed + residual
+        root = math.sqrt(redundancy_number) if redundancy_number > LEAST_REDUNDANCY else None
+        return cls(
+            target=target,
+            mark=mark,
+            kind=kind,
+            observed=observed,
+            adjusted=adjusted if kind == "range" else wrap_360(adjusted),
+            residual=residual,
+            sigma=sigma,
+            standardized=None if root is None else residual / (sigma * root),
+            redundancy_number=redundancy_number,
+            weight=weight,
+            mdb=None if root is None else DELTA0 * sigma / root,
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,6 +12,7 @@ from navfix import catalog
 from navfix.adjustment.graph import available
 from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.solve import Solver
+from navfix.adjustment.window.checks import check, check_rank
 from navfix.adjustment.window.components import Judged, with_components
 from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
 from navfix.adjustment.window.prior import KnownPose
@@ -20,7 +21,7 @@ from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
 from navfix.adjustment.window.start import Pose, first_pose, initial_state, plane_pose, poses_from
 from navfix.catalog import AdjustmentModel, RadarModel, radar_model
-from navfix.errors import InputError, NoAgreement, TooFewPairs, Unobservable
+from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Damping, Kernel
 from navfix.types import Epoch, Fix, FloatArray
@@ -30,8 +31,6 @@ Start = Pose | Sequence[Pose]
 _CENTRED_M = 100.0  # an origin as near as this to the newest pose leaves millimetres
 _CENTRINGS = 5
 _AGREE = 1e-4  # sigma: how well the two roads must agree
-_HOPELESS_SHARE = 0.5
-_HOPELESS_RAD = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -197,54 +196,12 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
     return damper, descend(damper, descended.state, tolerance=COARSE)
 
 
-# ----------------------------------------------------------------------------------------------------------- checks
-
-
-def check(damper: Damper, descended: Descended) -> None:
-    """Raise where a descent has not led to a solution.
-
-    Raises
-    ------
-    TooFewPairs : fewer than two marks were seen
-    NoAgreement : fewer than two marks are left with half of their weight
-    Unobservable : the newest pose is not determined to half the distance of the marks, or to 29 deg
-    """
-    window, layout = damper.plan.window, damper.plan.layout
-    if layout.marks < 2:
-        raise TooFewPairs("one mark over a window determines no heading and no position", observations=2, unknowns=3)
-    _, weights = damper.judge(damper.rows(descended.state).residual)
-    share = mark_weights(window, weights.sighting[:, 0], weights.static)
-    left = int(np.count_nonzero(share >= 0.5))
-    if left < 2:
-        raise NoAgreement(
-            f"the tracks contradict each other: {left} of {layout.marks} marks keep half of their weight",
-            evidence=-descended.loss,
-        )
-
-
-def mark_weights(window: Window, sighting: FloatArray, static: FloatArray) -> FloatArray:
-    """Return the weight of each mark (M,): mean weight of its sightings times that of its constant errors."""
-    count = np.bincount(window.seen.mark, minlength=len(static))
-    return np.asarray(np.bincount(window.seen.mark, sighting, len(static)) / np.maximum(count, 1) * static)
-
-
-def _check_rank(window: Window, pose: FloatArray, cofactor: FloatArray) -> None:
-    distance_m = float(np.median(np.hypot(*(window.seen.place_ne_m - pose[:2]).T)))
-    values, vectors = np.linalg.eigh(cofactor[:2, :2])
-    if math.sqrt(values[1]) > _HOPELESS_SHARE * distance_m:
-        azimuth_deg = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1])) % 180.0
-        direction = (float(vectors[0, 1]), float(vectors[1, 1]), 0.0)
-        raise Unobservable(f"the window leaves the position along {azimuth_deg:.0f} deg free", direction=direction)
-    if window.any_relative and math.sqrt(cofactor[2, 2]) > _HOPELESS_RAD:
-        raise Unobservable("the window leaves the heading free", direction=(0.0, 0.0, 1.0))
-
-
 def _finished(window: Window, found: Judged, solver: Solver) -> Solved:
     """Solve once more as a factor graph and check that it is the same place; else our own road stands."""
     layout, state = found.damper.plan.layout, found.descended.state
     newest = layout.newest()
     own = found.cofactor[newest, newest]
-    _check_rank(window, state[newest], own)
+    check_rank(window, state[newest], own)
     if solver == "dense" or (solver == "auto" and (not available() or layout.size > DENSE_BELOW)):
         return Solved(window, found, own, "dense")
     graph, there = window_graph.solve(found.damper, state)

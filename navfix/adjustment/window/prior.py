@@ -1,4 +1,4 @@
-"""The pose at the first epoch of a window as older data have it: one factor of the network, not a mixture afterwards."""
+"""The pose at the first epoch of a window as older data have it: one factor of the network, not mixed in later."""
 
 from __future__ import annotations
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from navfix.association.scene import position_of
 from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
-from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray
+from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray, ObservationKind
 from navfix.units import wrap_180, wrap_360
 
 
@@ -59,12 +58,13 @@ def _observations(
     range_m = float(scene.flat.range_m[track])
     bearing_deg = math.degrees(float(scene.flat.bearing_rad[track]))
     mark_m2 = float(scene.paths.constant_m[mark] ** 2)
-    kind: Literal["relative_bearing", "true_bearing"] = (
-        "true_bearing" if scene.flat.reference == "true" else "relative_bearing"
+    kinds: tuple[ObservationKind, ObservationKind] = (
+        "range",
+        "true_bearing" if scene.flat.reference == "true" else "relative_bearing",
     )
     azimuth = math.radians(bearing_deg) + pose.heading_rad - scene.yaw_at_end
     made = []
-    for axis, name in enumerate(("range", kind)):
+    for axis, kind in enumerate(kinds):
         unit = 1.0 if axis == 0 else math.degrees(1.0 / range_m)
         sigma_m = math.sqrt(
             float(scene.constant_m2[track, axis] + scene.white_m2[track, axis] / scene.bins[track]) + mark_m2
@@ -75,20 +75,16 @@ def _observations(
             else [-math.sin(azimuth), math.cos(azimuth), range_m]
         )
         redundancy = float(np.clip(1.0 - along @ pose.formal @ along / sigma_m**2, 0.0, 1.0))
-        residual_m, observed = float(misfit_m[axis]), range_m if axis == 0 else wrap_360(bearing_deg)
         made.append(
-            AdjustedObservation(
-                target=scene.tracks[track].label,
-                mark=scene.paths.marks[mark].label,
-                kind=name,  # type: ignore[arg-type]
-                observed=observed,
-                adjusted=observed + residual_m * unit,
-                residual=residual_m * unit,
+            AdjustedObservation.of_track(
+                scene.tracks[track].label,
+                scene.paths.marks[mark].label,
+                kind,
+                observed=range_m if axis == 0 else wrap_360(bearing_deg),
+                residual=float(misfit_m[axis]) * unit,
                 sigma=sigma_m * unit,
-                standardized=residual_m / (sigma_m * math.sqrt(redundancy)) if redundancy > 0.01 else None,
                 redundancy_number=redundancy,
                 weight=1.0,
-                mdb=sigma_m * unit * 4.1321 / math.sqrt(redundancy) if redundancy > 0.01 else None,
             )
         )
     return made
