@@ -18,6 +18,7 @@ from navfix import catalog
 from navfix.adjustment import gnc
 from navfix.adjustment.damped import observation_weights
 from navfix.adjustment.dense import Descent, minimise, saddle_exits
+from navfix.adjustment.exchange import exchanges
 from navfix.adjustment.landscape import norms_of_targets
 from navfix.adjustment.network import Network, sight
 from navfix.adjustment.trials import trial_fixes
@@ -30,7 +31,8 @@ DISTINCT_M = 50.0
 DISTINCT_RAD = math.radians(5.0)
 _TRUNCATED_AT = 5.0  # sigma: beyond it a target says only that it does not agree
 _AGREES = 3.0  # sigma: nearer than this a target agrees with a trial fix
-_CONSENSUS_STARTS, _FEWEST_STARTS = 5, 3
+_GIVES_UP = 0.1  # weight of a target that agrees so, below which a kernel gives it up
+_CONSENSUS_STARTS, _FEWEST_STARTS, _EXCHANGES = 5, 3, 3
 _ON_A_MARK_M = 1e-3
 _EXACT = 1e-6  # of a loss: all residuals are zero
 _ROUGH, _COARSE, _FINE = 0.1, 1e-2, 1e-9  # sigma
@@ -71,7 +73,26 @@ def find_minima(
     fine, names = _without_saddles(network, kernel, damping, coarse.pose[chosen], [names[i] for i in chosen])
     kept = _distinct(fine.pose, fine.loss, *apart)
     minima = _minima(network, kernel, damping, fine.take(kept), [names[i] for i in kept])
-    return [minima[0], *(m for m in minima[1:] if m.targets > 0)]
+    return [_lowered(network, kernel, damping, minima[0]), *(m for m in minima[1:] if m.targets > 0)]
+
+
+def _lowered(network: Network, kernel: Kernel, damping: Damping, best: Minimum) -> Minimum:
+    """Exchange single targets while that lowers the loss, with a kernel that gives up targets that nearly agree.
+
+    Such a kernel (IGG-III) has several minima within a few sigma, nearer to each other than two places are.
+    """
+    if float(kernel.weight(_AGREES, damping)) > _GIVES_UP:
+        return best
+    for _ in range(_EXCHANGES):
+        tried = exchanges(network, kernel, damping, best.pose)
+        if not len(tried):
+            break
+        found = minimise(network, kernel, damping, tried, tolerance=_FINE, iterations=_FINE_STEPS)
+        index = int(np.argmin(found.loss))
+        if not found.loss[index] < best.loss - _EXACT:
+            break
+        best = _minima(network, kernel, damping, found.take([index]), [best.start])[0]
+    return best
 
 
 def _without_saddles(

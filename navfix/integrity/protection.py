@@ -13,6 +13,7 @@ from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
 from navfix.integrity.levels import separation_levels, slope_level
 from navfix.integrity.separation import Blocks, Separation, separate
+from navfix.integrity.several import suspicious, without_several
 from navfix.kernels import Damping
 from navfix.types import Fix, FloatArray, Integrity, Mark, Position
 
@@ -39,9 +40,10 @@ def with_integrity(
 ) -> Fix:
     """Return the fix with its protection level in ``integrity``.
 
-    The level holds against one wrong mark among those that the kernel has left in, whichever it is, and against noise:
-    without an alarm the error passes it with ``probability_of_missed_detection``. It is None, with the reason in words,
-    where leaving a mark out leaves the fix undetermined, or where an alarm stands.
+    The level holds against one wrong mark among those that the kernel has left in, whichever it is (against two and
+    three where the residuals are larger than chance explains), and against noise: without an alarm the error passes it
+    with ``probability_of_missed_detection``. It is None, with the reason in words, where leaving a mark out leaves the
+    fix undetermined, or where an alarm stands.
 
     Raises
     ------
@@ -84,7 +86,8 @@ def protection(
     """Return the protection level of a linearised adjustment whose marks are ``reach_m`` away (the median).
 
     Every sigma is multiplied by ``sigma0`` where that is above 1, never made smaller by it: that residuals happen to
-    be small is no promise.
+    be small is no promise. Where the residuals are larger than chance explains, the level holds against two and three
+    wrong marks at once too.
     """
     used = blocks.taking_part()
     separation = separate(used)
@@ -108,6 +111,16 @@ def protection(
     slope = slope_m if slope_m <= _LINEAR_SHARE * reach_m else None
     if levels.alarms:
         return Protection(None, slope, _alarm(used, separation, levels.alarms, levels.ratio))
+    if suspicious(sigma0, dof):
+        several = separation_levels(
+            without_several(used),
+            scale=scale,
+            probability_of_false_alarm=probability_of_false_alarm,
+            probability_of_missed_detection=probability_of_missed_detection,
+        )
+        if several.protection_m > _LINEAR_SHARE * reach_m:
+            return Protection(None, slope, _several(several.protection_m))
+        levels = replace(levels, protection_m=max(levels.protection_m, several.protection_m))
     if levels.protection_m > _LINEAR_SHARE * reach_m:
         worst = used.labels[levels.worst] if levels.worst >= 0 else "no mark in particular"
         why = f"{levels.protection_m:.0f} m (most for {worst}) is too much beside the distance to the marks"
@@ -123,6 +136,13 @@ def _undetermined(blocks: Blocks, separation: Separation) -> str:
     held = [label for label, fine in zip(blocks.labels, separation.determined, strict=True) if not fine]
     others = f" (and {len(held) - 1} more)" if len(held) > 1 else ""
     return f"without {held[0]}{others} nothing would determine the fix: no redundancy checks it"
+
+
+def _several(level_m: float) -> str:
+    return (
+        f"the residuals are larger than chance explains: several marks may be wrong alike, and {level_m:.0f} m "
+        "is too much beside the distance to the marks"
+    )
 
 
 def _alarm(blocks: Blocks, separation: Separation, alarms: tuple[int, ...], ratio: FloatArray) -> str:

@@ -51,6 +51,11 @@ def test_the_global_minimum_is_found(kernel: str) -> None:
     assert not missed
 
 
+def test_minima_a_few_sigma_apart_are_told_by_exchanging_targets() -> None:
+    """IGG-III gives up targets that nearly agree: two of 300 scenes ended above the lowest of 70 starts."""
+    assert all(shortfall(seed, "igg3") < 1e-5 for seed in (42, 53))
+
+
 @pytest.mark.study
 @pytest.mark.parametrize("kernel", KERNELS)
 def test_study_the_global_minimum_is_found(kernel: str) -> None:
