@@ -132,7 +132,7 @@ def relational_degrees(differences: Sequence[FloatArray], resolution: float) -> 
         return np.zeros(0)
     least = min(float(d.min()) for d in differences)
     most = max(float(d.max()) for d in differences)
-    if most == 0.0:
+    if resolution * most == 0.0:  # also what underflows
         return np.ones(len(differences))
     return np.array([float(np.mean((least + resolution * most) / (d + resolution * most))) for d in differences])
 
