@@ -8,6 +8,7 @@ linearisation on the manifold of poses, its own elimination, and the marginal co
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -71,7 +72,7 @@ class _Blocks:
         rows = damper.rows(start)
         _, weights = damper.judge(rows.residual)
         self._root, self._rows = np.sqrt(weights.row), rows
-        self._cache: tuple[bytes, Any] = (b"", None)
+        self._cache: tuple[FloatArray, Any] | None = None
 
     def factors(self) -> list[Any]:
         """Return the factors: rows that depend on the same group of unknowns belong together."""
@@ -110,7 +111,7 @@ class _Blocks:
         poses = [i for i, key in enumerate(keys) if key < self.epochs]
 
         def error(_factor: Any, values: Any, jacobians: Any) -> FloatArray:
-            rows = self._at(values)
+            rows = self._at(values, keys, columns)
             if jacobians is not None:
                 a = np.zeros((len(index), len(columns)))
                 at = np.arange(len(index))[:, None]
@@ -125,25 +126,29 @@ class _Blocks:
 
         return error
 
-    def _at(self, values: Any) -> Any:
-        """Return all rows at GTSAM's values, computed once for all factors that ask for the same."""
-        state = self.state(values)
-        stamp = state.tobytes()
-        if self._cache[0] != stamp:
-            self._cache = (stamp, self._damper.rows(state))
+    def _at(self, values: Any, keys: list[int], columns: IntArray) -> Any:
+        """Return all rows at GTSAM's values, computed once for all factors that ask for the same.
+
+        A factor's rows depend on its own unknowns only: where these have not changed, what is kept holds for it.
+        """
+        own = np.concatenate([self._of_key(values, key) for key in keys])
+        if self._cache is None or not np.array_equal(self._cache[0][columns], own):
+            state = self.state(values)
+            self._cache = (state, self._damper.rows(state))
         return self._cache[1]
 
     def state(self, values: Any) -> FloatArray:
         """Return GTSAM's values as one vector; angles go on from those of the start."""
-        state = np.empty(len(self._start))
+        state = np.array(self._start)
         for key, columns in enumerate(self.columns):
-            if not values.exists(key):
-                state[columns] = self._start[columns]
-            elif key < self.epochs:
-                pose = values.atPose2(key)
-                before = self._start[columns[2]]
-                turn = np.remainder(pose.theta() - before + np.pi, 2.0 * np.pi) - np.pi
-                state[columns] = pose.x(), pose.y(), before + turn
-            else:
-                state[columns] = values.atVector(key)
+            if values.exists(key):
+                state[columns] = self._of_key(values, key)
         return state
+
+    def _of_key(self, values: Any, key: int) -> FloatArray:
+        if key >= self.epochs:
+            return np.asarray(values.atVector(key), np.float64)
+        pose = values.atPose2(key)
+        before = float(self._start[self.columns[key][2]])
+        turn = (pose.theta() - before + math.pi) % (2.0 * math.pi) - math.pi
+        return np.array([pose.x(), pose.y(), before + turn])
