@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from navfix.errors import InputError
 from navfix.types import FloatArray, Position
-from navfix.units import wrap_180
+from navfix.units import wrap_180, wrap_pi
 
 WGS84_A_M = 6378137.0
 WGS84_F = 1.0 / 298.257223563
@@ -110,6 +110,22 @@ class LocalPlane:
         if distance_m < 1.0:
             return 0.0
         return wrap_180(azimuth_deg - math.degrees(math.atan2(-east_m, -north_m)))
+
+
+def convergence(origin: Position, plane: ArrayLike) -> FloatArray:
+    """Return true minus plane direction [rad] (n,) at places (n,) [m, complex: north + i east] about ``origin``.
+
+    What `LocalPlane.convergence_deg` is for one place, vectorised: the turn of the great circle from the origin, on a
+    sphere with the origin's prime vertical radius (within 0.0001 deg of it at 100 km).
+    """
+    place = np.atleast_1d(np.asarray(plane, dtype=np.complex128))
+    lat = math.radians(origin.lat_deg)
+    radius_m = WGS84_A_M / math.sqrt(1.0 - _E2 * math.sin(lat) ** 2)
+    arc, azimuth = np.abs(place) / radius_m, np.angle(place)
+    sin, cos = np.sin(arc), np.cos(arc)
+    arriving = np.arctan2(np.sin(azimuth) * math.cos(lat), math.cos(lat) * cos * np.cos(azimuth) - math.sin(lat) * sin)
+    turned: FloatArray = wrap_pi(arriving - azimuth)
+    return turned
 
 
 def _vincenty_inverse(origin: Position, lat_deg: FloatArray, lon_deg: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -13,7 +13,7 @@ from navfix.association.acceptance import FEWEST, FEWEST_WITH_HINT, Acceptance
 from navfix.association.evidence import Judged
 from navfix.association.kept_index import KeptIndex
 from navfix.association.polish import polish
-from navfix.association.scene import Scene, position_of
+from navfix.association.scene import Scene, heading_of, position_of
 from navfix.association.seeded import Search
 from navfix.catalog import (
     AssociationModel,
@@ -163,7 +163,7 @@ def _as_alternatives(answers: Judged, scene: Scene, rows: IntArray) -> tuple[Alt
     return tuple(
         Alternative(
             position_of(scene, complex(answers.poses.p[row])),
-            math.degrees(answers.poses.heading_rad[row]) % 360.0,
+            heading_of(scene, complex(answers.poses.p[row]), float(answers.poses.heading_rad[row])),
             float(answers.evidence[row]),
             int(answers.ships[row]),
         )
@@ -187,7 +187,7 @@ def _association(
         pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
         probability=probability,
         position=position_of(scene, complex(pose.p[0])),
-        heading_deg=math.degrees(pose.heading_rad[0]) % 360.0,
+        heading_deg=heading_of(scene, complex(pose.p[0]), float(pose.heading_rad[0])),
         covariance=covariance,
         evidence=decision.evidence,
         margin=min(decision.margin, LARGEST_MARGIN),
@@ -209,7 +209,7 @@ def _notes(found: Search) -> tuple[str, ...]:
         off_nm = abs(best.poses.p[0] - prior.place) / NM_M
         notes.append(f"The position hint is refuted: it lies {off_nm:.1f} NM from the place that the echoes show.")
     if prior.heading_rad is not None and heading_holds < 0.5:
-        off_deg = math.degrees(wrap_pi(prior.heading_rad - float(best.poses.heading_rad[0])))
+        off_deg = math.degrees(wrap_pi(prior.heading_rad - float(prior.true_heading(best.poses)[0])))
         source = "heading hint" if found.field.scene.reference == "relative" else "compass in the true bearings"
         notes.append(f"The {source} is refuted: it is {off_deg:+.1f} deg off.")
     return tuple(notes)
@@ -237,7 +237,7 @@ def _by_source_method(epoch: Epoch, method: CpdModel, radar: RadarModel) -> Asso
         pairs=np.column_stack([scene.target_index[index_pairs[:, 0]], scene.mark_index[index_pairs[:, 1]]]),
         probability=probability,
         position=position_of(scene, found.translation),
-        heading_deg=math.degrees(float(np.angle(found.rotation))) % 360.0,
+        heading_deg=heading_of(scene, found.translation, float(np.angle(found.rotation))),
         covariance=np.linalg.inv(judged.information[0]),
         evidence=float(judged.evidence[0]),
         method=method.name,

@@ -18,8 +18,8 @@ from navfix.association.em import Field
 from navfix.association.scene import Scene
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
-from navfix.geodesy import cloud_to_plane
-from navfix.types import Epoch, FloatArray, HeadingHint, IntArray, PositionHint
+from navfix.geodesy import cloud_to_plane, convergence
+from navfix.types import Epoch, FloatArray, HeadingHint, IntArray, Position, PositionHint
 from navfix.units import wrap_pi
 
 CELLS_IN_RANGE = 6  # of the raster that the searched area is counted in
@@ -28,7 +28,10 @@ MOST_CELLS = 1_000_000
 
 @dataclass(frozen=True, slots=True)
 class Prior:
-    """``log_area`` ln of the searched area [m^2]; a hint's place [m, complex] or heading [rad] with sigma, or None."""
+    """``log_area`` ln of the searched area [m^2]; a hint's place [m, complex] or heading [rad] with sigma, or None.
+
+    The heading counts from true north where own ship is, if the plane's ``origin`` is given; else from the plane's.
+    """
 
     log_area: float
     wrong_share: float
@@ -36,11 +39,16 @@ class Prior:
     place_sigma_m: float = math.inf
     heading_rad: float | None = None
     heading_sigma_rad: float = math.inf
+    origin: Position | None = None
 
     @property
     def has_hint(self) -> bool:
         """Whether anything is known beforehand."""
         return self.place is not None or self.heading_rad is not None
+
+    def true_heading(self, poses: Poses) -> FloatArray:
+        """Return the headings (k,) [rad] of poses, counted as the hint's is."""
+        return poses.heading_rad if self.origin is None else poses.heading_rad + convergence(self.origin, poses.p)
 
     def log_mass(self, poses: Poses, information: FloatArray) -> FloatArray:
         """Return ln of prior x likelihood, integrated over each pose's Gaussian peak of height 1 (k,): eq. (6.8).
@@ -65,7 +73,7 @@ class Prior:
         if self.place is not None:
             near &= np.abs(poses.p - self.place) <= 4.0 * self.place_sigma_m + 1000.0
         if self.heading_rad is not None:
-            near &= np.abs(wrap_pi(poses.heading_rad - self.heading_rad)) <= 4.0 * self.heading_sigma_rad + 0.05
+            near &= np.abs(wrap_pi(self.true_heading(poses) - self.heading_rad)) <= 4.0 * self.heading_sigma_rad + 0.05
         return near
 
     def _choices(self) -> list[tuple[bool, bool]]:
@@ -82,7 +90,8 @@ class Prior:
         spread = np.asarray(np.linalg.inv(information), dtype=np.float64)
         spread += np.diag(np.where(np.isfinite(sigmas), sigmas, 0.0) ** 2)
         place = poses.p - (self.place or 0.0)
-        offset = np.column_stack([place.real, place.imag, wrap_pi(poses.heading_rad - (self.heading_rad or 0.0))])
+        turn = wrap_pi(self.true_heading(poses) - (self.heading_rad or 0.0))
+        offset = np.column_stack([place.real, place.imag, turn])
         rows = []
         for trust_place, trust_heading in self._choices():
             axes = slice(0 if trust_place else 2, 3 if trust_heading else 2)
@@ -115,6 +124,7 @@ def of(epoch: Epoch | None, scene: Scene, field: Field, model: AssociationModel)
         place_sigma_m,
         None if heading is None else math.radians(heading.heading_deg),
         math.inf if heading is None else math.radians(math.hypot(heading.sigma_deg, model.alignment_sigma_deg)),
+        scene.origin,
     )
 
 

@@ -7,6 +7,7 @@ world = p + exp(1j h) rho. Mirror images cannot be expressed, so no reflection c
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -14,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navfix.catalog import AssociationModel, RadarModel
-from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
+from navfix.geodesy import LocalPlane, cloud_to_plane, convergence, ecef
 from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarget
 
 ComplexArray = NDArray[np.complex128]
@@ -142,6 +143,16 @@ def conspicuity(mark: Mark, model: AssociationModel) -> float:
 def position_of(scene: Scene, p: complex) -> Position:
     """Return the place of a complex number of the scene's plane."""
     return LocalPlane(scene.origin).to_position(p.real, p.imag)
+
+
+def convergence_of(scene: Scene, p: ComplexArray) -> FloatArray:
+    """Return what is to be added [rad] (k,) to a direction of the plane to have it from true north at ``p`` (k,)."""
+    return convergence(scene.origin, p)
+
+
+def heading_of(scene: Scene, p: complex, heading_rad: float) -> float:
+    """Return the heading [deg, 0 .. 360] from true north at ``p`` of one that counts from the plane's north."""
+    return math.degrees(heading_rad + float(convergence_of(scene, np.array([p]))[0])) % 360.0
 
 
 def _target_speed(target: RadarTarget) -> float:

@@ -15,7 +15,7 @@ from navfix.association import ambiguity, em, evidence, prior
 from navfix.association.acceptance import FEWEST, Acceptance
 from navfix.association.pair_index import PairIndex
 from navfix.association.prior import Prior
-from navfix.association.scene import Scene
+from navfix.association.scene import Scene, convergence_of
 from navfix.association.seeded import Search
 from navfix.association.seeds import Poses
 from navfix.catalog import AssociationModel
@@ -39,7 +39,8 @@ def search(scene: Scene, model: AssociationModel, epoch: Epoch) -> Warm | None:
     known = prior.of(epoch, scene, field, model)
     if not _tight(known, model) or known.place is None or known.heading_rad is None:
         return None
-    start = Poses(np.array([known.place]), np.array([known.heading_rad]))
+    place = np.array([known.place])
+    start = Poses(place, known.heading_rad - convergence_of(scene, place))
     free = Prior(known.log_area, known.wrong_share)
     poses, information = em.refine(field, start)
     found = evidence.judge(field, poses, information, free)

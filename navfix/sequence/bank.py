@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from navfix.association.matchings import log_mean_evidence
-from navfix.association.scene import position_of
+from navfix.association.scene import heading_of, position_of
 from navfix.association.window import jackknife, joint, pairs
 from navfix.association.window.fit import WindowField, as_clutter, lay_over
 from navfix.association.window.joint import Joint, Window
@@ -231,7 +231,7 @@ def places_of(window: Window, knots: Knots, information: FloatArray) -> list[Pla
         Place(
             scene.middle_s + scene.end_s,
             position_of(scene.flat, complex(p[k])),
-            math.degrees(float(heading[k]) + scene.yaw_at_end) % 360.0,
+            heading_of(scene.flat, complex(p[k]), float(heading[k]) + scene.yaw_at_end),
             complex(velocity[k]),
             covariance[k],
         )

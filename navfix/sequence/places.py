@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from navfix.adjustment.window import KnownPose
+from navfix.association.scene import convergence_of
 from navfix.association.window.joint import Window
 from navfix.association.window.knots import PosePrior
 from navfix.association.window.tracks import epoch_time
@@ -83,10 +84,11 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
     widened = np.diag([model.prior_m**2, model.prior_m**2, math.radians(model.prior_deg) ** 2])
     # A heading holds at the place's own instant; the tracks are de-rotated to the first scan.
     turns = np.array([scene.yaw.at(place.time_s) for place in places])
+    p = plane[:, 0] + 1j * plane[:, 1]
     return PosePrior(
         0,
-        plane[:, 0] + 1j * plane[:, 1],
-        np.radians([p.heading_deg for p in places]) - turns,
+        p,
+        np.radians([place.heading_deg for place in places]) - turns - convergence_of(scene.flat, p),
         np.array([model.prior_factor**2 * p.covariance + widened for p in carried]),
     )
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from navfix.geodesy import LocalPlane
+from navfix.geodesy import LocalPlane, convergence
 from navfix.types import Epoch, FloatArray, Hull, IntArray, Mark, Position, RadarTarget
 from navfix.units import NM_M
 
@@ -111,7 +111,7 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
     return MadeScene(
         epoch,
         plane.to_position(own.real, own.imag),
-        math.degrees(heading_rad),
+        math.degrees(heading_rad + float(convergence(recipe.centre, own)[0])) % 360.0,
         pairs,
         np.linalg.inv(information).astype(np.float64) if len(right) >= 2 else None,
         uniform - log_crowding(recipe, turned, own, crowding, len(visible)),

@@ -1,15 +1,17 @@
 """Association of one scan: right pairs, honest refusals, every answer listed."""
 
 from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
 import navfix
+from navfix.catalog import association_model
 from navfix.errors import Ambiguous, NoAgreement, NoFix, TooFewPairs
-from navfix.geodesy import LocalPlane, inverse
+from navfix.geodesy import LocalPlane, direct, inverse
 from navfix.simulation.scenes import SceneRecipe, make_scene
-from navfix.types import Epoch, Mark, Position, RadarTarget
+from navfix.types import Epoch, HeadingHint, Mark, Position, RadarTarget
 from navfix.units import NM_M, wrap_180
 
 BUSY = SceneRecipe(25, 80, 12.0, 20.0, clutter=0.25, false_ais=0.1)
@@ -100,6 +102,37 @@ def test_the_place_on_earth_changes_nothing(centre: Position):
     made = make_scene(replace(BUSY, centre=centre), 2)
     found = navfix.associate(made.epoch)
     assert inverse(found.position, made.position)[0] < 100.0
+
+
+def _far_east_of_the_ships(random: np.random.Generator, time_utc: datetime | None = None) -> Epoch:
+    """Twelve ships about own ship at 75 N on 30 degrees, sixty farther west: meridians converge by a degree."""
+    own = Position(75.0, 20.0)
+    near = [direct(own, a, r) for a, r in zip(np.arange(12) * 29.0, 3000.0 + 900.0 * np.arange(12), strict=True)]
+    away = [
+        direct(own, a, r) for a, r in zip(random.uniform(230.0, 310.0, 60), random.uniform(3e4, 6e4, 60), strict=True)
+    ]
+    seen = [inverse(own, place) for place in near]
+    return Epoch(
+        time_utc,
+        tuple(RadarTarget(f"{k}", r, (a - 30.0) % 360.0, range_sigma_m=20.0) for k, (r, a) in enumerate(seen)),
+        tuple(Mark(f"{k}", place, 10.0, mmsi=200000000 + k) for k, place in enumerate(near + away)),
+    )
+
+
+def test_the_heading_counts_from_the_meridian_of_own_ship():
+    """Not from that of the middle of the AIS picture, a degree away."""
+    found = navfix.associate(_far_east_of_the_ships(np.random.default_rng(1)))
+    assert wrap_180(found.heading_deg - 30.0) == pytest.approx(0.0, abs=0.02)
+    exact = replace(_far_east_of_the_ships(np.random.default_rng(1)), heading_hint=HeadingHint(30.0, 0.1))
+    tight = replace(association_model(), alignment_sigma_deg=0.1)
+    assert navfix.associate(exact, method=tight).evidence > found.evidence + 3.0
+
+
+def test_the_heading_of_a_window_counts_from_there_too():
+    begin = datetime(2026, 3, 1, tzinfo=UTC)
+    scans = [_far_east_of_the_ships(np.random.default_rng(1), begin + timedelta(seconds=10 * k)) for k in range(4)]
+    found = navfix.associate(scans)
+    assert wrap_180(found.heading_deg - 30.0) == pytest.approx(0.0, abs=0.05)
 
 
 def test_true_bearings_are_associated_too():

@@ -15,6 +15,7 @@ from navfix.geodesy import (
     LocalPlane,
     centroid,
     cloud_to_plane,
+    convergence,
     direct,
     ecef,
     inverse,
@@ -117,6 +118,14 @@ def test_a_plane_direction_plus_convergence_is_the_true_direction(bearing_deg: f
     north_m, east_m = plane.to_plane(direct(here, bearing_deg, 10.0)) - plane.to_plane(here)
     seen_deg = math.degrees(math.atan2(east_m, north_m)) + plane.convergence_deg(here)
     assert angle_between_deg(seen_deg, bearing_deg) < 0.0003
+
+
+@pytest.mark.parametrize("lat_deg", [0.0, 54.0, -70.0, 80.0])
+def test_the_convergence_of_many_places_is_that_of_each(lat_deg: float) -> None:
+    plane = LocalPlane(Position(lat_deg, 179.9))
+    places = np.array([40e3j, 50e3 + 50e3j, -60e3 + 10e3j, 70e3 - 70e3j, 0.0])
+    one_by_one = [plane.convergence_deg(plane.to_position(p.real, p.imag)) for p in places]
+    assert np.degrees(convergence(plane.origin, places)) == pytest.approx(one_by_one, abs=1e-4)
 
 
 def test_there_is_no_convergence_at_the_origin() -> None:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from navfix.association.scene import position_of
+from navfix.association.scene import heading_of, position_of
 from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
@@ -29,11 +29,11 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
             continue  # it took part, but the newest epoch does not show it
         observations += _observations(window, track, mark, misfit_m, pose)
     true = scene.flat.reference == "true"  # then the pose's angle is what the compass is off by
-    angle_deg, unknowns = math.degrees(pose.heading_rad), 2 if true else 3
+    angle_deg, unknowns = heading_of(scene.flat, pose.p, pose.heading_rad), 2 if true else 3
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
     return Fix(
         position=position_of(window.field.scene.flat, pose.p),
-        heading_deg=None if true else wrap_360(angle_deg),
+        heading_deg=None if true else angle_deg,
         covariance=pose.covariance[:unknowns, :unknowns],
         sigma0=1.0,
         redundancy=max(0, len(observations) - 3),

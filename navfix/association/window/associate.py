@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from navfix.association import ambiguity
-from navfix.association.scene import position_of
+from navfix.association.scene import heading_of, position_of
 from navfix.association.window import jackknife, joint, pairs
 from navfix.association.window.as_fix import as_fix
 from navfix.association.window.evidence import Answers
@@ -142,7 +142,7 @@ def _alternative(window: Window, answers: Answers, row: int) -> Alternative:
     turn = window.field.scene.yaw_at_end
     return Alternative(
         position_of(window.field.scene.flat, complex(p[0])),
-        math.degrees(float(heading[0]) + turn) % 360.0,
+        heading_of(window.field.scene.flat, complex(p[0]), float(heading[0]) + turn),
         float(answers.evidence[row]),
         int(answers.marks[row]),
     )
@@ -158,7 +158,7 @@ def association(found: Joint, pose: PoseAtEnd) -> Association:
         pairs=index,
         probability=probability,
         position=position_of(window.field.scene.flat, pose.p),
-        heading_deg=math.degrees(pose.heading_rad) % 360.0,
+        heading_deg=heading_of(window.field.scene.flat, pose.p, pose.heading_rad),
         covariance=pose.covariance,
         evidence=evidence,
         margin=ahead,
