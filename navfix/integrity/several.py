@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from itertools import combinations
-from math import comb
 
 import numpy as np
 
 from navfix.adjustment.reliability import global_test
 from navfix.integrity.separation import Blocks, BoolArray, Separation, separate
+from navfix.types import IntArray
 
-_MOST = 3  # marks that may be wrong together: of eight, 40 %
-_SETS = 2000  # not more than so many hypotheses
+_AMONG = {2: 63, 3: 22}  # size of a set: from so many marks, those that the fix rests on most; some 2000 sets of each
 
 
 def suspicious(sigma0: float, dof: float) -> bool:
@@ -25,17 +24,23 @@ def suspicious(sigma0: float, dof: float) -> bool:
 
 
 def without_several(blocks: Blocks) -> Separation:
-    """Leave out every set of two or three marks; sets without which nothing determines the fix are passed over."""
-    found = separate(blocks, _sets(len(blocks.labels)))
+    """Leave out every set of two or three marks; sets without which nothing determines the fix are passed over.
+
+    Of many marks those are combined without which the position is least sure: 63 to pairs, 22 to threes.
+    """
+    alone = separate(blocks)
+    unsure = np.where(alone.determined, np.trace(alone.without[:, :2, :2], axis1=1, axis2=2), np.inf)
+    found = separate(blocks, _sets(np.argsort(-unsure, kind="stable")))
     fine = found.determined
     return Separation(found.cofactor, found.without[fine], found.shift[fine], found.determined[fine])
 
 
-def _sets(count: int) -> BoolArray:
-    """Return one row for each set of two to three of ``count`` marks, as many sizes as the number allows."""
-    sizes = [size for size in range(2, _MOST + 1) if sum(comb(count, k) for k in range(2, size + 1)) <= _SETS]
-    chosen = [members for size in sizes for members in combinations(range(count), size)]
-    result = np.zeros((len(chosen), count), bool)
-    for row, members in enumerate(chosen):
-        result[row, list(members)] = True
-    return result
+def _sets(order: IntArray) -> BoolArray:
+    """Return one row (h, g) for each set of two or three of g marks, given their numbers in ``order`` of weight."""
+    rows = []
+    for size, among in _AMONG.items():
+        members = np.array(list(combinations(order[:among].tolist(), size)), np.int64).reshape(-1, size)
+        row = np.zeros((len(members), len(order)), bool)
+        np.put_along_axis(row, members, True, axis=1)
+        rows.append(row)
+    return np.concatenate(rows)

@@ -266,3 +266,24 @@ def test_probabilities_outside_0_1_are_refused(name: str) -> None:
 def test_blocks_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InputError, match="do not fit"):
         Blocks(np.zeros((2, 2, 3)), np.zeros((2, 1)), np.zeros((3, 3)), ("a", "b"))
+
+
+def ring(count: int) -> Blocks:
+    """Targets all round, with ranges to 30 m and relative bearings to 1 deg, that fit."""
+    rng = np.random.default_rng(1)
+    azimuth, range_m = rng.uniform(0.0, 2.0 * np.pi, count), rng.uniform(2000.0, 8000.0, count)
+    rows = np.zeros((count, 2, 3))
+    rows[:, 0, :2] = -np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1) / 30.0
+    bearing = np.stack([np.sin(azimuth) / range_m, -np.cos(azimuth) / range_m, -np.ones(count)], axis=1)
+    rows[:, 1] = bearing / np.radians(1.0)
+    return Blocks(rows, np.zeros((count, 2)), np.zeros((3, 3)), tuple(map(str, range(count))))
+
+
+@pytest.mark.parametrize("count", [8, 23, 64, 200])
+def test_of_many_marks_too_the_level_of_suspicious_residuals_holds_against_several(count: int) -> None:
+    """sigma0 = 2 alone would double the level."""
+    calm = protection(ring(count), sigma0=1.0, dof=2.0 * count - 3.0, reach_m=5000.0).level_m
+    suspect = protection(ring(count), sigma0=2.0, dof=2.0 * count - 3.0, reach_m=5000.0).level_m
+    assert calm is not None
+    assert suspect is not None
+    assert suspect > 2.2 * calm
