@@ -13,7 +13,16 @@ from navfix.adjustment.case_frame import Place, middle_of_marks, moved, network_
 from navfix.adjustment.network import Damping, Network
 from navfix.adjustment.observations import adjusted_observations, notes
 from navfix.adjustment.reliability import Quality, assess, by_residual_sigma
-from navfix.adjustment.solve import Solution, Solver, alternative, check_counts, determined, finish, solve
+from navfix.adjustment.solve import (
+    Solution,
+    Solver,
+    alternative,
+    check_counts,
+    check_solution,
+    determined,
+    finish,
+    solve,
+)
 from navfix.adjustment.start import Minimum, find_minima, follow
 from navfix.adjustment.textbook import LinearStep, linear_step
 from navfix.errors import Unobservable
@@ -134,17 +143,19 @@ def _recentred(
     solver: Solver,
 ) -> tuple[Place, Network, Solution]:
     """Return the fix's place, and network and solution about it; a case in a plane needs no second look."""
-    own = moved(origin, float(solution.pose[0]), float(solution.pose[1]))
+    own, pose = moved(origin, float(solution.pose[0]), float(solution.pose[1])), solution.pose
     if not isinstance(own, Position):
         return own, network, solution
     for _ in range(_RECENTRINGS):
         network = replace(network_about(case, own), standard=network.standard)
-        start = np.array([0.0, 0.0, solution.pose[2]])
+        start = np.array([0.0, 0.0, math.radians(true_heading_deg(origin, own, math.degrees(float(pose[2]))))])
         found = follow(network, kernel, damping, start, solution.start)
-        own = moved(own, float(found.pose[0]), float(found.pose[1]))
-        if math.hypot(found.pose[0], found.pose[1]) < _STANDS_STILL_M:
+        origin, pose = own, found.pose
+        own = moved(origin, float(pose[0]), float(pose[1]))
+        if math.hypot(pose[0], pose[1]) < _STANDS_STILL_M:
             break
-    minimum = Minimum(found.pose, found.loss, solution.start, found.targets)
+    minimum = Minimum(pose, found.loss, solution.start, found.targets)
+    check_solution(network, kernel, damping, [minimum], rivals=False)
     return own, network, finish(network, kernel, damping, minimum, solver=solver)
 
 

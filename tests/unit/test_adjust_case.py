@@ -201,3 +201,24 @@ def test_observations_that_contradict_each_other_have_no_robust_fix() -> None:
     rows = [observed(label, "range", error=error) for label, error in zip("ABCD", (0, 3000, -2500, 4000), strict=True)]
     with pytest.raises((NoAgreement, Ambiguous)):
         adjust_case(plane_case(rows), kernel="hampel")
+
+
+@pytest.mark.parametrize(
+    ("lat_deg", "bearing"),
+    [(75.0, "true_bearing"), (89.0, "true_bearing"), (89.0, "relative_bearing"), (89.99, "relative_bearing")],
+)
+def test_near_the_pole_the_heading_turns_with_the_meridians(lat_deg: float, bearing: str) -> None:
+    """At 89.99 N, 1.1 km from the pole, north in the middle of the marks is another direction altogether."""
+    own, marks, seen = Position(lat_deg, 10.0), [], []
+    for index in range(8):
+        azimuth_deg, range_m = 45.0 * index + 3.0, 2000.0 + 700.0 * index
+        place, label = direct(own, azimuth_deg, range_m), f"M{index}"
+        turn_deg = 90.0 if bearing == "relative_bearing" else 0.0
+        marks.append({"label": label, "lat_deg": place.lat_deg, "lon_deg": place.lon_deg, "sigma_m": 5.0})
+        seen.append({"mark": label, "kind": "range", "value": range_m, "sigma": 30.0})
+        seen.append({"mark": label, "kind": bearing, "value": azimuth_deg - turn_deg, "sigma": 1.0})
+    fix = adjust_case(case_of({"frame": "wgs84", "marks": marks, "observations": seen}))
+    assert isinstance(fix.position, Position)
+    assert inverse(fix.position, own)[0] < 1e-3
+    if bearing == "relative_bearing":
+        assert fix.heading_deg == pytest.approx(90.0, abs=1e-4)
