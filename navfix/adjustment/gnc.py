@@ -17,6 +17,7 @@ from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
 
 FAMILY = "tls"
+START = "gnc"  # the name of where its way begins
 _GROWTH = 1.4  # of mu from step to step
 _TOLERANCE, _STEPS = 1e-2, 10
 

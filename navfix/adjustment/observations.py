@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from navfix.adjustment import gnc
 from navfix.adjustment.compass import Located
 from navfix.adjustment.network import KIND_NAMES, RANGE, TRUE_BEARING, Network
 from navfix.adjustment.pairs import Problem
@@ -69,6 +70,8 @@ def notes(network: Network, quality: Quality, solution: Solution, *, prior: str 
     said = [f"solved by {'GTSAM' if solution.solver == 'gtsam' else 'dense normal equations'}"]
     if not solution.settled:
         said.append("NOT SETTLED: the residuals are so large that the descent goes in circles; take a robust kernel")
+    if solution.start == gnc.START:
+        said.append("gnc goes down from least squares alone: other places that fit as well are not looked for")
     if quality.scaling == "a_priori":
         said.append(f"sigma0 not used: {quality.dof:.1f} degrees of freedom are too few to judge the noise")
     if quality.global_test is None:

@@ -63,7 +63,7 @@ def find_minima(
     if kernel.family == gnc.FAMILY:
         near = trials[[int(np.argmin(score))]]
         least_squares = gnc.start_pose(network, catalog.kernel("none"), damping, near)
-        return _minima(network, kernel, damping, gnc.graduated(network, kernel, damping, least_squares), ["gnc"])
+        return _minima(network, kernel, damping, gnc.graduated(network, kernel, damping, least_squares), [gnc.START])
     agreed = trials[_distinct(trials, score, *apart, limit=_CONSENSUS_STARTS)]
     names, poses = _starts(
         network, kernel, damping, given, agreed, smooth=not _decided(network, kernel, damping, agreed)

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from navfix import catalog
+from navfix.adjustment.adjust_case import adjust_case
+from navfix.adjustment.case import case_of
 from navfix.adjustment.dense import minimise
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network, predict
 from navfix.adjustment.observations import notes
@@ -73,6 +75,16 @@ def test_the_mirror_point_of_collinear_ranges_is_reported_not_hidden() -> None:
     (other,) = (alternative(m) for m in chosen.others)
     assert isinstance(other.position, PlanePosition)
     assert other.position.north_m == pytest.approx(300.0, abs=1e-4)
+
+
+def test_gnc_says_that_it_looks_for_no_mirror_point() -> None:
+    marks = [{"label": str(i), "north_m": 0.0, "east_m": 5000.0 * i - 4000.0} for i in range(3)]
+    seen = [
+        {"mark": m["label"], "kind": "range", "value": math.hypot(300.0, m["east_m"] + 200.0), "sigma": 20.0}
+        for m in marks
+    ]
+    fix = adjust_case(case_of({"frame": "plane", "marks": marks, "observations": seen}), kernel="gnc")
+    assert any("other places that fit as well are not looked for" in note for note in fix.notes)
 
 
 def test_two_bearings_in_line_with_the_ship_leave_that_line_free() -> None:
