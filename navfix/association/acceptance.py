@@ -20,6 +20,7 @@ from navfix.association.seeded import Search
 from navfix.catalog import AssociationModel
 
 FEWEST, FEWEST_WITH_HINT = 3, 2
+PLAINLY = 7.0  # nats: a thousand to one
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,14 @@ def decide(found: Search, model: AssociationModel) -> Acceptance:
         wrong = min(1.0, wrong + ambiguity.probability_of_mirror(evidence, mirrored, model))
         reason = "mirror" if wrong > model.accept_probability else None
     return Acceptance(evidence, ahead, mirrored, wrong, reason)
+
+
+def mirror_words(decision: Acceptance) -> str:
+    """Say how well the mirrored echoes fit, for a refusal by reason "mirror"."""
+    told = f"(evidence {decision.mirrored:.1f} against {decision.evidence:.1f})"
+    if decision.mirrored - decision.evidence > PLAINLY:
+        return f"mirrored, the echoes fit the marks far better {told}: are bearings counted anticlockwise?"
+    return f"mirrored, the echoes fit the marks as well {told}: all in one line, or an agreement by chance"
 
 
 def evidence_of_mirror(found: Search, model: AssociationModel) -> float:

@@ -117,8 +117,7 @@ def _require_agreement(found: Search, scene: Scene, model: AssociationModel) -> 
         )
     if decision.reason == "mirror":
         raise NoAgreement(
-            f"mirrored, the echoes fit the marks far better (evidence {decision.mirrored:.1f} against "
-            f"{decision.evidence:.1f}): are bearings counted anticlockwise?",
+            acceptance.mirror_words(decision),
             evidence=decision.evidence,
             alternatives=_alternatives(found, scene, enough),
         )

@@ -84,6 +84,16 @@ def test_a_mirrored_scene_is_refused():
         navfix.associate(replace(made.epoch, targets=mirrored))
 
 
+def test_a_refusal_of_echoes_in_one_line_does_not_call_the_bearings_anticlockwise():
+    """In one line the mirrored echoes fit exactly as well."""
+    own, rng = Position(54.0, 8.0), np.random.default_rng(7)
+    marks = tuple(
+        Mark(f"{i}", direct(own, 33.0, r), 10.0, kind="ship") for i, r in enumerate(rng.uniform(7e2, 15e3, 8))
+    )
+    with pytest.raises(NoAgreement, match=r"fit the marks as well .* all in one line"):
+        navfix.associate(Epoch(None, seen_from(own, 200.0, marks), marks))
+
+
 def test_a_regular_row_of_buoys_gives_every_place_and_never_one():
     plane = LocalPlane(Position(54.0, 8.0))
     row = tuple(Mark(f"buoy {i}", plane.to_position(0.0, i * NM_M), 10.0, kind="aton") for i in range(12))
