@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from functools import cache
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from navfix.refinement import refined
 from navfix.report.answer import Answer
 from navfix.report.data_used import chart_cautions
 from navfix.report.timing import StepClock
-from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Position, TargetList
+from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Pairing, Position, TargetList
 
 __all__ = ["answer", "answer_of_window", "beside", "epochs", "fix", "targets", "watched"]
 
@@ -139,7 +139,7 @@ def targets(
     radar: RadarModel | str = "imo",
     kernel: Kernel | str = "hampel",
     method: Method = "seeded",
-    pairing: Literal["fix", "grey"] = "fix",
+    pairing: Pairing = "fix",
 ) -> TargetList:
     """Return the fused list of radar targets and AIS ships at the last of some epochs.
 
@@ -165,7 +165,7 @@ def targets(
         fixes = {len(seen) - 1: solved.fix, **_fixed_every(seen[:-1], radar=radar, kernel=kernel, method=method)}
         known = {_time_s(seen[k]): _heading_at(found) for k, found in fixes.items()}
         pairs = grey_association(seen, poses_between(seen, known), radar=radar)
-    return fused_list(filtered, _own_pose(solved.fix), pairs, radar=radar)
+    return replace(fused_list(filtered, _own_pose(solved.fix), pairs, radar=radar), pairing=pairing)
 
 
 def _fixed_every(seen: Sequence[Epoch], **options: Any) -> dict[int, Fix]:

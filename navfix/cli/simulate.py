@@ -36,11 +36,11 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
     parser.add_argument("--duration", metavar="S", type=values.positive, help="length [s], replaces the scenario's")
     parser.add_argument(
         "--out",
-        metavar="FILE",
+        metavar="NAME.nmea",
         action="append",
         default=[],
         type=partial(outputs.output_file, suffixes=SUFFIXES),
-        help="write the log to FILE.nmea, FILE_truth.csv and FILE_assoc.csv beside it (default: the log on stdout)",
+        help="write the log to NAME.nmea, NAME_truth.csv and NAME_assoc.csv beside it (default: the log on stdout)",
     )
     for name, what in (
         ("truth", "own ship's truth"),

@@ -18,6 +18,7 @@ from navfix.units import KNOT_MPS
 SCHEMA = "navfix.targets/1"
 _ORDER = ("fused", "radar", "ais")
 _TITLES = {"fused": "RADAR AND AIS", "radar": "RADAR ONLY", "ais": "AIS ONLY"}
+_GREY = "pairs by the grey relation of the tracks, to compare: an echo without AIS near a ship is taken for it"
 _NUMBERS = (
     "range_m", "range_variance_m2", "bearing_deg", "bearing_variance_deg2", "speed_mps", "speed_variance_m2ps2",
     "course_deg", "course_variance_deg2", "probability",
@@ -58,6 +59,7 @@ def to_dict(ships: TargetList) -> dict[str, Any]:
         "reason": ships.reason,
         "message": ships.message,
         "time_utc": iso_utc(ships.time_utc),
+        "pairing": ships.pairing,
         "own_ship": None if own is None else {**_place(own), "heading_deg": plain(ships.own_heading_deg)},
         "targets": [ship_to_dict(ship) for ship in ordered(ships)],
     }
@@ -117,7 +119,8 @@ def _own(ships: TargetList) -> str:
     if ships.own_position is None:
         return f"NOT FUSED: no fix ({ships.reason}): {ships.message}"
     heading = "" if ships.own_heading_deg is None else f"   heading {bearing(ships.own_heading_deg)}"
-    return f"own ship {place(ships.own_position)}{heading}"
+    pairing = "" if ships.pairing == "fix" else f"\n{_GREY}"
+    return f"own ship {place(ships.own_position)}{heading}{pairing}"
 
 
 def _table(rows: list[TrackedShip]) -> Iterator[str]:

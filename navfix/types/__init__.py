@@ -15,7 +15,7 @@ from navfix.types.adjusted import (
 from navfix.types.charted import ChartCheck, Decision, Filter, MethodChoice, OffStation
 from navfix.types.checks import FloatArray, IntArray
 from navfix.types.found import Alternative, Association, SecondGroup
-from navfix.types.fused import Sensor, TargetList, TrackedShip
+from navfix.types.fused import Pairing, Sensor, TargetList, TrackedShip
 from navfix.types.observed import (
     BearingReference,
     Epoch,
@@ -63,6 +63,7 @@ __all__ = [
     "MethodChoice",
     "ObservationKind",
     "OffStation",
+    "Pairing",
     "PlanePosition",
     "Position",
     "PositionHint",

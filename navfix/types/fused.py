@@ -11,6 +11,7 @@ from navfix.types.observed import BearingReference
 from navfix.types.places import Position
 
 Sensor = Literal["radar", "ais", "fused"]
+Pairing = Literal["fix", "grey"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +58,10 @@ class TrackedShip:
 
 @dataclass(frozen=True, slots=True)
 class TargetList:
-    """All ships of one instant. Without a fix (``reason`` and ``message`` say why) radar and AIS stand apart."""
+    """All ships of one instant. Without a fix (``reason`` and ``message`` say why) radar and AIS stand apart.
+
+    ``pairing`` says what has told which target is which ship: the fix, or the grey relation of the tracks.
+    """
 
     time_utc: datetime | None
     ships: tuple[TrackedShip, ...]
@@ -65,6 +69,7 @@ class TargetList:
     own_heading_deg: float | None = None
     reason: str | None = None
     message: str | None = None
+    pairing: Pairing = "fix"
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ships", tuple(self.ships))

@@ -43,6 +43,8 @@ def test_grey_pairs_of_tracks_are_mostly_those_of_the_fix(log: Path, capsys: pyt
         ships = json.loads(capsys.readouterr().out)["targets"]
         pairs[pairing] = {(s["target"], s["mark"]) for s in ships if s["sensor"] == "fused"}
     assert len(pairs["fix"] & pairs["grey"]) >= 0.7 * len(pairs["fix"]) > 5
+    assert main(["targets", str(log), "--filter", "20", "--pairing", "grey"]) == 0
+    assert "pairs by the grey relation of the tracks, to compare" in capsys.readouterr().out
     assert main(["targets", str(log), "--filter", "5", "--pairing", "grey"]) == 2
     assert "--filter must be 20 s at least" in capsys.readouterr().err
 
