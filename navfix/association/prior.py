@@ -60,6 +60,12 @@ class Prior:
         total: FloatArray = volume + np.logaddexp.reduce(self._components(poses, information), axis=0)
         return total
 
+    def log_gain(self, poses: Poses, information: FloatArray) -> FloatArray:
+        """Return ln of how much likelier the hints make poses (k,) than knowing nothing does: the rest of eq. (6.8)."""
+        nothing = -self.log_area - math.log(2.0 * math.pi)
+        gain: FloatArray = np.logaddexp.reduce(self._components(poses, information), axis=0) - nothing
+        return gain
+
     def hint_holds(self, poses: Poses, information: FloatArray) -> FloatArray:
         """Return the probability (k, 2) that the position hint and the heading hint are right, given each pose."""
         weight = self._components(poses, information)

@@ -70,9 +70,11 @@ def run(args: argparse.Namespace) -> int:
     log = inputs.read_all(args, charted=bool(charted))
     lines, fixes, known, veracity = [], 0, 0, AisVeracity()
     errors: RadarErrors | None = None
+    compass_told = False
     for answer in _answers(log, args, track, charted):
         if answer.gnss is not None and answer.gnss.alert:
             print(f"navfix: {_clock(answer.epoch)}{answer.gnss.alert}", file=sys.stderr)
+        compass_told = compass_told or _tell_compass(answer)
         if answer.fix is not None:
             fixes += 1
             if answer.fix.observations:  # a place carried forward has none
@@ -162,6 +164,16 @@ def _radar_errors(args: argparse.Namespace) -> RadarErrorsOverTime | None:
 
 def _in_windows(args: argparse.Namespace) -> bool:
     return not args.independent or args.window is not None or args.smooth
+
+
+def _tell_compass(answer: Answer) -> bool:
+    """Say that the echoes refute the compass, where they do; every line holds it, the log of the run tells it once."""
+    from navfix.integrity.cautions import CHECK_COMPASS
+
+    found = next((caution for caution in answer.cautions if caution.startswith(CHECK_COMPASS)), None)
+    if found is not None:
+        print(f"navfix: {_clock(answer.epoch)}{found}", file=sys.stderr)
+    return found is not None
 
 
 def _tell_radar_errors(errors: RadarErrors, *, windows: bool) -> None:

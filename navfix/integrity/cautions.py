@@ -8,6 +8,7 @@ from navfix.types import Association, Epoch, Fix
 from navfix.units import wrap_180
 
 GYRO_DISAGREES_DEG = 10.0  # radar alignment and gyro together explain a few degrees, not this
+CHECK_COMPASS = "Check the compass"
 TRUE_BEARINGS_OFF_DEG = 2.0  # the alignment of a radar that shows true bearings is in it as well
 
 
@@ -46,10 +47,10 @@ def _compass_caution(association: Association, epoch: Epoch) -> tuple[str, ...]:
     if references == {"true"}:
         off_deg, sigma_deg = -wrap_180(found_deg), math.degrees(math.sqrt(association.covariance[2, 2]))
         if abs(off_deg) > TRUE_BEARINGS_OFF_DEG + 3.0 * sigma_deg:
-            return (f"Check the compass: the true bearings of the radar are {off_deg:+.1f} deg off.",)
+            return (f"{CHECK_COMPASS}: the true bearings of the radar are {off_deg:+.1f} deg off.",)
     elif references == {"relative"} and hint is not None:
         off_deg = wrap_180(hint.heading_deg - found_deg)
         if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
             told = f"the heading in the log, {hint.heading_deg:.1f} deg"
-            return (f"Check the compass: {told}, is {off_deg:+.1f} deg off.",)
+            return (f"{CHECK_COMPASS}: {told}, is {off_deg:+.1f} deg off.",)
     return ()

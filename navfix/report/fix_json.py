@@ -64,7 +64,7 @@ def answer_to_dict(answer: Answer) -> dict[str, Any]:
         "marks": None if answer.epoch is None else len(answer.epoch.marks),
         "chart": None if answer.epoch is None else chart_to_dict(answer.epoch.chart),
         "choice": None if answer.epoch is None else choice_to_dict(answer.epoch.choice),
-        "notes": [*body["notes"], *answer.cautions, *answer.notes],
+        "notes": list(dict.fromkeys((*body["notes"], *answer.cautions, *answer.notes))),
     }
 
 

@@ -250,7 +250,8 @@ def _alternatives(places: Sequence[Alternative], centre: Position | PlanePositio
 
 def _notes(answer: Answer, fix: Fix | None) -> Iterator[str]:
     found = None if fix is None else fix.association
-    notes = [*(() if found is None else found.notes), *(() if fix is None else fix.notes), *answer.notes]
+    said = (*(() if found is None else found.notes), *(() if fix is None else fix.notes), *answer.notes)
+    notes = tuple(dict.fromkeys(said))
     if notes:
         yield ""
     for note in notes:

@@ -95,3 +95,27 @@ def test_a_second_recording_that_is_earlier_begins_anew_and_ends_nothing(
     main(["replay", str(log), "--every", "8"])
     times = [json.loads(line)["time_utc"] for line in capsys.readouterr().out.splitlines()]
     assert times != sorted(times)
+
+
+def test_a_compass_that_is_90_deg_off_is_told_once_and_stands_once_in_each_line(
+    approach: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with approach.with_name("approach_truth.csv").open(encoding="utf-8", newline="") as lines:
+        track = TruthTrack.parse(lines, source="truth")
+    stamped = [(_time(line), line) for line in approach.read_text(encoding="utf-8").splitlines()]
+    stamped = [(time_s, line) for time_s, line in stamped if time_s < stamped[0][0] + 60.0]
+    for time_s in sorted({time_s for time_s, _ in stamped}):
+        truth = track.at(time_s)
+        if truth is not None and truth.heading_deg is not None:
+            gyro_deg = (truth.heading_deg + 90.0) % 360.0
+            stamped.append((time_s, write.tag_block(time_s, "GY0001") + write.hdt(gyro_deg)))
+    log = tmp_path / "compass.nmea"
+    log.write_text("\n".join(line for _, line in sorted(stamped)) + "\n", encoding="utf-8")
+    assert main(["replay", str(log), "--every", "2"]) == 0
+    said = capsys.readouterr()
+    assert said.err.count("Check the compass") == 1
+    notes = [line["notes"] for line in map(json.loads, said.out.splitlines()) if line["status"] == "fix"]
+    assert len(notes) >= 3
+    refuted = [sum("heading hint is refuted" in note for note in said) for said in notes]
+    assert max(refuted) == 1
+    assert sum(refuted) >= 3

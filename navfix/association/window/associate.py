@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
 from navfix.association import ambiguity
 from navfix.association.scene import heading_of, position_of
-from navfix.association.window import jackknife, joint, pairs
+from navfix.association.window import gyro, jackknife, joint, pairs
 from navfix.association.window.as_fix import as_fix
 from navfix.association.window.evidence import Answers
 from navfix.association.window.jackknife import PoseAtEnd
@@ -67,8 +68,10 @@ def solve_window(
     require_order(epochs)
     window = joint.prepare(epochs, window_model(model), association_model(shared))
     require_enough(window)
-    found = joint.cold(window)
-    require_agreement(found)
+    hint = gyro.heading_prior(window)
+    near = partial(gyro.plausible, window, hint) if hint.has_hint else None
+    found = gyro.weighed(joint.cold(window, near), hint)
+    require_agreement(found, hinted=hint.has_hint)
     best = found.answers.take(np.array([0]))
     return window_answer(found, jackknife.pose_at_end(window.field, best.knots, best.information, window.prior))
 
@@ -106,8 +109,8 @@ def require_enough(window: Window) -> None:
             )
 
 
-def require_agreement(found: Joint) -> None:
-    """Raise unless the best answer has enough marks, enough evidence and enough margin."""
+def require_agreement(found: Joint, *, hinted: bool = False) -> None:
+    """Raise unless the best answer has enough marks, enough evidence and enough margin; more of it with a hint."""
     model, answers = found.window.field.model, found.answers
     evidence = float(answers.evidence[0]) if len(answers) else -math.inf
     marks = int(answers.marks[0]) if len(answers) else 0
@@ -119,7 +122,7 @@ def require_agreement(found: Joint) -> None:
             evidence=evidence,
             alternatives=alternatives(found),
         )
-    if answers.margin < model.least_margin:
+    if answers.margin < (found.window.field.shared.margin_with_hint if hinted else model.least_margin):
         raise Ambiguous(
             f"{len(alternatives(found))} places explain the tracks nearly alike: the best is ahead by "
             f"{answers.margin:.1f} only",
@@ -165,6 +168,7 @@ def association(found: Joint, pose: PoseAtEnd) -> Association:
         probability_wrong=probability_wrong(evidence, ahead, window.field.model, window.field.shared),
         alternatives=alternatives(found)[1:],
         method=window.field.model.name,
+        notes=gyro.notes(window, pose),
     )
 
 

@@ -13,6 +13,7 @@ from navfix.association.window.evidence import Answers
 from navfix.association.window.fit import WindowField
 from navfix.association.window.knots import Knots, MotionPrior, PosePrior, motion_prior, placed, shape_of
 from navfix.association.window.null import Null
+from navfix.association.window.votes import Plausible
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.types import Epoch
 from navfix.units import wrap_pi
@@ -47,9 +48,9 @@ def prepare(
     return Window(field, prior, null.fit_null(field, prior), tuple(epochs))
 
 
-def cold(window: Window) -> Joint:
-    """Find every own motion that explains the window, with nothing known beforehand."""
-    found = votes.starts(window.field, window.null.shape)
+def cold(window: Window, plausible: Plausible | None = None) -> Joint:
+    """Find every own motion that explains the window; the search begins also where a hint makes it ``plausible``."""
+    found = votes.starts(window.field, window.null.shape, plausible)
     return solve(window, found)
 
 

@@ -6,6 +6,7 @@ must be that of the two marks. Own velocity cancels in it, so it needs to be kno
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,13 +19,22 @@ from navfix.association.window.knots import Knots, placed
 from navfix.association.window.null import in_ship_velocity
 from navfix.types import FloatArray, IntArray
 
+Plausible = Callable[[Poses], np.ndarray]
 
-def starts(field: WindowField, shape: Knots) -> Knots:
-    """Return the own motions that most pairs vote for: the null's shape laid at the poses of the fullest cells."""
+
+def starts(field: WindowField, shape: Knots, plausible: Plausible | None = None) -> Knots:
+    """Return the own motions that most pairs vote for: the null's shape laid at the poses of the fullest cells.
+
+    With a hint, as many again from the votes that are ``plausible``: few common ships are lost among all votes.
+    """
     scene, model = field.scene, field.model
     votes = [_votes_at(field, shape, knot) for knot in sorted({int(part * scene.knots) for part in model.voting_bins})]
     p, heading = np.concatenate([v[0] for v in votes]), np.concatenate([v[1] for v in votes])
-    poses = Poses.join(*(_fullest(p, heading, field, shift) for shift in (0.0, 0.5)))
+    found = [_fullest(p, heading, field, shift) for shift in (0.0, 0.5)]
+    if plausible is not None and len(p):
+        near = np.flatnonzero(plausible(Poses(p, heading)))
+        found += [_fullest(p[near], heading[near], field, shift) for shift in (0.0, 0.5)]
+    poses = Poses.join(*found)
     return placed(shape, poses.p, poses.heading_rad, scene.gauge)
 
 
