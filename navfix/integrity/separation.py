@@ -83,7 +83,7 @@ def separate(blocks: Blocks, hypotheses: BoolArray | None = None) -> Separation:
     normal = information.sum(axis=0) + blocks.prior
     if hypotheses is not None:
         chosen = np.asarray(hypotheses, np.float64)
-        information, gradient = np.einsum("hg,guv->huv", chosen, information), chosen @ gradient
+        information, gradient = np.tensordot(chosen, information, 1), chosen @ gradient
     if not _regular(normal):
         count, u = gradient.shape
         nothing = np.zeros((count, u, u))
