@@ -92,7 +92,7 @@ class Navigator:
             return Outcome("cold", None, self._belief.reason, TrackState("cold"))
         now_s = epoch_time(self._epochs[-1])
         blind = self._solve_blind(now_s)
-        self._update_bank(now_s)
+        self._update_bank(now_s, blind)
         self._track = self._belief.decide(
             self._track,
             now_s,
@@ -139,7 +139,7 @@ class Navigator:
 
     # ------------------------------------------------------------------------------------------------ the bank
 
-    def _update_bank(self, now_s: float) -> None:
+    def _update_bank(self, now_s: float, blind: Joint | None) -> None:
         """Every half minute: carry all places over the data since, and let blind solves propose new ones."""
         model = self._model
         if now_s - self._last_bank_s < model.bank_every_s - 0.1:
@@ -156,10 +156,14 @@ class Navigator:
         births = []
         for length_s in model.birth_windows_s:
             if self._span_s(now_s) >= length_s - 3.0:
-                whole = window if abs(length_s - since_s) < 1.0 else self._prepare(now_s, length_s)
-                if whole is not None:
-                    births.append(joint.cold(whole))
-                    self._belief.acceptance.note(blind_of(births[-1], length_s))
+                found = blind if blind is not None and length_s == model.window_s else None  # the same scans: solved
+                whole = window if abs(length_s - since_s) < 1.0 else None
+                if found is None:
+                    whole = whole or self._prepare(now_s, length_s)
+                    found = None if whole is None else joint.cold(whole)
+                if found is not None:
+                    births.append(found)
+                    self._belief.acceptance.note(blind_of(found, length_s))
         self.bank.feed(window, births)
 
     # ------------------------------------------------------------------------------------------------ the track

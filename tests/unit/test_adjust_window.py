@@ -11,6 +11,7 @@ import pytest
 
 from navfix import catalog
 from navfix.adjustment import graph
+from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.window import KnownPose, adjust_window, solve_window
 from navfix.adjustment.window.components import expected_components
 from navfix.adjustment.window.problem import sightings_of, window_of
@@ -60,6 +61,22 @@ def test_the_factor_graph_and_the_normal_equations_agree(sensors: bool) -> None:
     assert inverse(by_graph.position, dense.position)[0] < 1e-3
     scale = np.sqrt(np.outer(np.diagonal(dense.covariance), np.diagonal(dense.covariance)))
     assert np.max(np.abs(by_graph.covariance - dense.covariance) / scale) < 1e-6
+
+
+@needs_gtsam
+def test_the_factor_graph_goes_on_from_a_state_that_is_no_solution() -> None:
+    p = scene(1, epochs=10, targets=12)
+    solved = solve_window(
+        p.epochs, p.pairs, start=None, radar=catalog.radar_model("imo"), kernel=catalog.kernel("none"), solver="dense"
+    )
+    damper, newest = solved.found.damper, solved.found.damper.plan.layout.newest()
+    off = solved.state.copy()
+    off[newest] += [40.0, -30.0, 0.02]
+    for start in (solved.state, off):
+        found, state = window_graph.solve(damper, start)
+        step = state[newest] - solved.state[newest]
+        assert step @ np.linalg.solve(solved.cofactor, step) < 1e-8
+        assert found.cofactor == pytest.approx(solved.cofactor, rel=1e-4, abs=1e-9)
 
 
 @pytest.mark.parametrize("reference", ["relative", "true"])

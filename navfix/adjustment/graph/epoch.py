@@ -138,13 +138,18 @@ def _heading_priors(network: Network, pose: FloatArray) -> Sequence[tuple[float,
 
 
 def _marginal(graph: Any, solution: Any, key: int = POSE) -> FloatArray:
-    """Rotate the marginal covariance of the pose from the ship's axes into north and east."""
+    """Return the marginal covariance of the pose in north and east."""
     import gtsam
 
+    return _in_north_east(gtsam.Marginals(graph, solution).marginalCovariance(key), solution, key)
+
+
+def _in_north_east(marginal: FloatArray, solution: Any, key: int) -> FloatArray:
+    """Rotate the marginal covariance of the pose from the ship's axes into north and east."""
     heading_rad = solution.atPose2(key).theta()
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return np.asarray(rotation @ gtsam.Marginals(graph, solution).marginalCovariance(key) @ rotation.T)
+    return np.asarray(rotation @ marginal @ rotation.T)
 
 
 # ---------------------------------------------------------------------------------------------------------- factors

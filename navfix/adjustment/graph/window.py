@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from navfix.adjustment.graph.epoch import GraphSolution, _marginal, _parameters
+from navfix.adjustment.graph.epoch import GraphSolution, _in_north_east, _marginal, _parameters
 from navfix.errors import Unobservable
 from navfix.types import FloatArray, IntArray
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from navfix.adjustment.window.descent import Damper
 
 _NO_WEIGHT = 1e-9
+_SOLVED = 1e-4  # sigma: from so near, one more linearisation moves nothing
 
 
 def solve(damper: Damper, start: FloatArray) -> tuple[GraphSolution, FloatArray]:
@@ -41,16 +42,29 @@ def solve(damper: Damper, start: FloatArray) -> tuple[GraphSolution, FloatArray]
     for factor in blocks.factors():
         graph.add(factor)
     try:
-        optimizer = gtsam.LevenbergMarquardtOptimizer(graph, values, _parameters())
-        solution = optimizer.optimize()
-        state = blocks.state(solution)
         newest = blocks.epochs - 1
-        cofactor = _marginal(graph, solution, newest)
+        linear = graph.linearize(values)
+        step = linear.optimize()
+        if _length(linear, step) < _SOLVED:  # solved already: the same linear system gives step and covariance
+            solution, iterations, error = values.retract(step), 1, linear.error(step)
+            cofactor = _in_north_east(gtsam.Marginals(linear, values).marginalCovariance(newest), values, newest)
+        else:
+            optimizer = gtsam.LevenbergMarquardtOptimizer(graph, values, _parameters())
+            solution = optimizer.optimize()
+            iterations, error = optimizer.iterations(), optimizer.error()
+            cofactor = _marginal(graph, solution, newest)
+        state = blocks.state(solution)
     except RuntimeError as failure:
         said = " ".join(str(failure).split()).partition(".")[0]
         raise Unobservable(f"GTSAM cannot solve this window: {said}", direction="not determined") from failure
     pose = state[blocks.columns[newest]]
-    return GraphSolution(pose, cofactor, 2.0 * optimizer.error(), optimizer.iterations()), state
+    return GraphSolution(pose, cofactor, 2.0 * error, iterations), state
+
+
+def _length(linear: Any, step: Any) -> float:
+    """Return the length of a Gauss-Newton step in units of sigma: what it takes off the sum of squares, its root."""
+    nothing = step.scale(0.0)
+    return math.sqrt(max(2.0 * (linear.error(nothing) - linear.error(step)), 0.0))
 
 
 class _Blocks:

@@ -110,8 +110,11 @@ def _fullest(p: ComplexArray, heading_rad: FloatArray, field: WindowField, shift
             np.floor(heading_rad * headings / (2.0 * np.pi) + shift) % headings,
         ]
     ).astype(np.int64)
-    order = np.lexsort(cells)
-    begins = np.flatnonzero(np.concatenate([[True], np.any(np.diff(cells[:, order], axis=1) != 0, axis=0)]))
+    cells -= cells.min(axis=1, keepdims=True)
+    rows, columns = int(cells[0].max()) + 1, int(cells[1].max()) + 1
+    number = (cells[2] * columns + cells[1]) * rows + cells[0]
+    order = np.argsort(number, kind="stable")
+    begins = np.flatnonzero(np.concatenate([[True], np.diff(number[order]) != 0]))
     size = np.diff(np.append(begins, len(order)))
     top = np.argsort(-size, kind="stable")[: field.model.seeds]
     mean_p = np.asarray(np.add.reduceat(p[order], begins) / size, dtype=np.complex128)
