@@ -68,13 +68,10 @@ def test_too_few_targets_or_marks_are_said_to_be_too_few():
 
 
 def test_echoes_that_are_no_ships_agree_with_nothing():
-    refused = 0
     for seed in range(20):
         made = make_scene(replace(BUSY, clutter=1.0), seed)
         with pytest.raises(NoFix):
             navfix.associate(made.epoch)
-        refused += 1
-    assert refused == 20
 
 
 def test_a_mirrored_scene_is_refused():
