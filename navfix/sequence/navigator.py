@@ -23,6 +23,7 @@ from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
 from navfix.sequence.doubt import NOT_CHECKED
 from navfix.sequence.outcome import Outcome
+from navfix.sequence.own_sensors import OwnSensors
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
 from navfix.types import Alternative, Epoch, Fix, TrackState, TrackStatus
@@ -43,6 +44,7 @@ class Navigator:
         self._track: Track | None = None
         self._last_cold_s = self._last_bank_s = -np.inf
         self._plain: Blind | None = None
+        self._sensors = OwnSensors(self.bank.yaw)
 
     @property
     def bank(self) -> Bank:
@@ -83,6 +85,7 @@ class Navigator:
             )
         self._epochs.append(epoch)
         self.bank.yaw.feed(epoch)
+        self._sensors.feed(epoch)
         while now_s - epoch_time(self._epochs[0]) > self._model.kept_s:
             self._epochs.popleft()
 
@@ -182,7 +185,9 @@ class Navigator:
         begin = track.prior_for(now_s - self._model.window_s)
         length_s = min(self._model.window_s, now_s - begin.time_s)
         if length_s < self._model.shortest_window_s:
-            return track.carry(self._epochs[-1], now_s) if track.last is not None else self._first_fix(now_s)
+            if track.last is None:
+                return self._first_fix(now_s)
+            return track.carry(self._epochs[-1], now_s, self._sensors)
         window = self._prepare(now_s, length_s)
         return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
 

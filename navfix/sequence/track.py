@@ -17,6 +17,7 @@ from navfix.integrity import with_window_integrity
 from navfix.refinement import refined
 from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
+from navfix.sequence.own_sensors import OwnSensors
 from navfix.sequence.places import Place, as_known_pose, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, Epoch, Fix
@@ -132,10 +133,14 @@ class Track:
             Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
 
-    def carry(self, epoch: Epoch, now_s: float) -> Held | None:
-        """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet."""
+    def carry(self, epoch: Epoch, now_s: float, sensors: OwnSensors) -> Held | None:
+        """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet.
+
+        Gyro and log lead where they were heard since, the velocity of the last window where not.
+        """
         last = self.last
-        place = self.place_at(now_s)
+        sailed = sensors.since(self._history[-1], now_s)
+        place = self._history[-1].sailed(sailed, now_s, self._model)
         if last is None or last.fix is None:
             return None
         size = len(last.fix.covariance)
@@ -149,7 +154,7 @@ class Track:
             association=None,
             observations=(),
             epoch=epoch,
-            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s.",),
+            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s{f' by {sailed.by}' if sailed else ''}.",),
         )
         return Held(place, with_window_integrity(fix), None, last.evidence, "prior")
 

@@ -181,6 +181,19 @@ def test_a_gyro_that_is_90_deg_off_is_found_out_and_moves_nothing():
     assert any("Check the compass" in caution for caution in answer.cautions)
 
 
+def test_until_a_new_window_is_long_enough_the_place_goes_on_by_the_gyro():
+    def with_gyro(epoch: Epoch) -> Epoch:
+        there = truth("approach").at(epoch.time_utc.timestamp())
+        return replace(epoch, heading_hint=HeadingHint((there.heading_deg + 90.0) % 360.0, 1.5))
+
+    navigator, notes = Navigator(), []
+    for epoch in map(with_gyro, recorded("approach")[:16]):
+        navigator.feed(epoch)
+        outcome = navigator.step()
+        notes += [] if outcome.fix is None else outcome.fix.notes
+    assert any(note.startswith("Carried forward by") and note.endswith(" by gyro.") for note in notes)
+
+
 @cache
 def simulated(name: str, seed: int) -> tuple[Record, ...]:
     lines = scenario.simulate(scenario.load(name), seed, duration_s=150.0).lines

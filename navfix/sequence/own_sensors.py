@@ -1,0 +1,63 @@
+"""The way since an earlier place by own sensors: turn of the gyro, speed of the log, current that the fixes show."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from navfix.association.window.tracks import epoch_time
+from navfix.sequence.places import Place, Sailed
+from navfix.sequence.yaw import YawLog
+from navfix.types import Epoch
+from navfix.units import wrap_180
+
+_KEPT_S = 300.0
+_CONTRADICTS_DEG = 20.0  # more than the bearings of near targets change by themselves in a quarter of a minute
+_SAME_S = 0.05  # an epoch is that of a place within this
+
+
+class OwnSensors:
+    """Remembers gyro and log of some minutes. Only changes of the gyro count: its constant error cancels.
+
+    Parameters
+    ----------
+    yaw : log of the turn that the bearings show; a gyro that turned otherwise is not heard
+    """
+
+    def __init__(self, yaw: YawLog) -> None:
+        self._yaw = yaw
+        self._heard: deque[tuple[float, float, float]] = deque()
+
+    def feed(self, epoch: Epoch) -> None:
+        """Take the next epoch in."""
+        hint, log = epoch.heading_hint, epoch.speed_hint
+        gyro_deg = np.nan if hint is None else hint.heading_deg
+        self._heard.append((epoch_time(epoch), gyro_deg, np.nan if log is None else log.speed_mps))
+        while self._heard[-1][0] - self._heard[0][0] > _KEPT_S:
+            self._heard.popleft()
+
+    def since(self, place: Place, to_s: float) -> Sailed | None:
+        """Return the way from a place to a later instant, None where the gyro was not heard all the time or is wrong.
+
+        Log along the heading and current make the velocity; the current is what the velocity of the place has more than
+        its log. Without a log the velocity of the place turns with the ship.
+        """
+        heard = [row for row in self._heard if place.time_s - _SAME_S <= row[0] <= to_s + _SAME_S]
+        if len(heard) < 2 or abs(heard[0][0] - place.time_s) > _SAME_S or abs(heard[-1][0] - to_s) > _SAME_S:
+            return None
+        time_s, gyro_deg, log_mps = np.array(heard).T
+        if np.isnan(gyro_deg).any():
+            return None
+        turn = np.exp(1j * np.radians(gyro_deg - gyro_deg[0]))
+        turned_deg = float(np.degrees(np.angle(turn[-1])))
+        if abs(wrap_180(turned_deg - self._yaw.between_deg(place.time_s, to_s))) > _CONTRADICTS_DEG:
+            return None
+        if np.isnan(log_mps).any():
+            velocity, by = place.velocity_mps * turn, "gyro"
+        else:
+            ahead = np.exp(1j * np.radians(place.heading_deg))
+            current = place.velocity_mps - log_mps[0] * ahead
+            velocity, by = log_mps * ahead * turn + current, "log and gyro"
+        way_m = complex((0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time_s)).sum())
+        return Sailed(way_m, turned_deg, by)
