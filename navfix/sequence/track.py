@@ -139,7 +139,8 @@ class Track:
         Gyro and log lead where they were heard since, the velocity of the last window where not.
         """
         last = self.last
-        sailed = sensors.since(self._history[-1], now_s)
+        true = last is not None and last.fix is not None and last.fix.heading_deg is None  # then no heading is known
+        sailed = None if true else sensors.since(self._history[-1], now_s)
         place = self._history[-1].sailed(sailed, now_s, self._model)
         if last is None or last.fix is None:
             return None

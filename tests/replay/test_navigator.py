@@ -21,7 +21,7 @@ from navfix.report.truth import TruthTrack
 from navfix.sequence import Navigator, Outcome
 from navfix.sequence.places import Place
 from navfix.simulation import scenario
-from navfix.types import Epoch, HeadingHint
+from navfix.types import Epoch, HeadingHint, SpeedHint
 
 LOGS = Path(__file__).resolve().parents[2] / "data" / "logs"
 STEP = 4  # scans: 10 s
@@ -179,6 +179,26 @@ def test_a_gyro_that_is_90_deg_off_is_found_out_and_moves_nothing():
     epoch, outcome = outcomes[-1]
     answer = pipeline.beside(outcome.fix, outcome.association, epoch)
     assert any("Check the compass" in caution for caution in answer.cautions)
+
+
+def test_true_bearings_hold_no_heading_that_a_log_could_lead_along():
+    def turned(epoch: Epoch) -> Epoch:
+        there = truth("approach").at(epoch.time_utc.timestamp())
+        targets = (
+            replace(t, bearing_deg=(t.bearing_deg + there.heading_deg) % 360.0, bearing_reference="true")
+            for t in epoch.targets
+        )
+        hints = {"heading_hint": HeadingHint(there.heading_deg, 1.5), "speed_hint": SpeedHint(7.0, 0.1)}
+        return replace(epoch, targets=tuple(targets), **hints)
+
+    navigator, notes = Navigator(), []
+    for epoch in map(turned, recorded("approach")[:16]):
+        navigator.feed(epoch)
+        outcome = navigator.step()
+        notes += [] if outcome.fix is None else outcome.fix.notes
+    carried = [note for note in notes if note.startswith("Carried forward by")]
+    assert carried
+    assert not any("log" in note or "gyro" in note for note in carried)
 
 
 def test_until_a_new_window_is_long_enough_the_place_goes_on_by_the_gyro():
