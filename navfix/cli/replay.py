@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from navfix.report.truth import TruthTrack
     from navfix.sequence import Navigator
     from navfix.sequence.radar_errors import RadarErrorsOverTime
-    from navfix.types import Epoch, Mark, RadarErrors, ShipVeracity
+    from navfix.types import Epoch, Fix, Mark, RadarErrors, ShipVeracity
 
 SUFFIXES = (".json",)
 VERACITY_SUFFIXES = (".txt", ".json")
@@ -142,7 +142,7 @@ def _solved(
             answer = solving.solve_window(tuple(kept), args, track)
         else:
             answer = solving.solve(seen, args, track)
-        yield answer if errors is None else _with_radar_errors(answer, errors)
+        yield answer if errors is None else _with_radar_errors(answer, errors, args, track)
 
 
 def _begins_anew(last: Epoch | None, epoch: Epoch) -> bool:
@@ -183,12 +183,26 @@ def _tell_radar_errors(errors: RadarErrors, *, windows: bool) -> None:
         print(f"navfix: {line}", file=sys.stderr)
 
 
-def _with_radar_errors(answer: Answer, errors: RadarErrorsOverTime) -> Answer:
-    """Feed the fix of an answer to the estimator, and return the answer with what it says now."""
+def _with_radar_errors(
+    answer: Answer, errors: RadarErrorsOverTime, args: argparse.Namespace, track: TruthTrack | None
+) -> Answer:
+    """Feed the fix of an answer; return the answer with the doubt about what was taken off and what is known now."""
     from dataclasses import replace
 
     errors.feed(answer.fix)
+    doubted = None if answer.fix is None else errors.doubted(answer.fix)
+    if doubted is not answer.fix:
+        answer = solving.finish(_judged_anew(answer, doubted), args, track)
     return replace(answer, radar_errors=errors.estimate())
+
+
+def _judged_anew(answer: Answer, fix: Fix | None) -> Answer:
+    from dataclasses import replace
+
+    from navfix.integrity import gnss_verdict
+
+    gnss = None if answer.epoch is None else answer.epoch.gnss
+    return replace(answer, fix=fix, gnss=None if fix is None or gnss is None else gnss_verdict(fix, gnss))
 
 
 def _navigator(args: argparse.Namespace) -> Navigator:

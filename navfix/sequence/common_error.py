@@ -21,6 +21,7 @@ Column = Callable[[AdjustedObservation, Mark, float, float], float]  # observati
 
 MANY = 1e6
 _CARRIES = 0.01  # of all information: a mark with less is no voice
+_REMEMBERED = 5.0  # memories: of a mark not seen for longer less than 1 % is left, and it is dropped
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,7 @@ class CommonErrors:
         if epoch is None or epoch.time_utc is None or not isinstance(fix.position, Position):
             return
         marks = {mark.label: mark for mark in epoch.marks}
-        rows, labels = _rows(fix, fix.position, marks, [w.column for w in self._wanted], np.asarray(applied))
+        rows, labels = whitened_rows(fix, fix.position, marks, [w.column for w in self._wanted], np.asarray(applied))
         if len(rows) < 4:
             return
         self._fade(epoch.time_utc.timestamp())
@@ -121,7 +122,11 @@ class CommonErrors:
         kept = math.exp(-elapsed_s / self._memory_s)
         self._time_s = max(time_s, self._time_s)
         self._whole *= kept
-        self._voices = {label: _Voice(v.information * kept, v.total * kept) for label, v in self._voices.items()}
+        self._voices = {
+            label: _Voice(v.information * kept, v.total * kept, v.heard_s)
+            for label, v in self._voices.items()
+            if self._time_s - v.heard_s <= _REMEMBERED * self._memory_s
+        }
 
     def _add(self, rows: FloatArray, labels: Sequence[str]) -> None:
         """Eliminate the pose of one fix; heading also takes a constant error of true bearings, as in the adjustment."""
@@ -134,15 +139,18 @@ class CommonErrors:
             own = np.array([label == other for other in labels])
             voice = self._voices.get(label)
             N, u = left[own].T @ left[own], left[own].T @ rest[own]
-            self._voices[label] = _Voice(N, u) if voice is None else _Voice(voice.information + N, voice.total + u)
+            if voice is not None:
+                N, u = N + voice.information, u + voice.total
+            self._voices[label] = _Voice(N, u, self._time_s)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Voice:
-    """What one mark says: information (k, k) and misclosure sum (k,)."""
+    """What one mark says: information (k, k) and misclosure sum (k,); when it was heard last [s]."""
 
     information: FloatArray
     total: FloatArray
+    heard_s: float
 
 
 def student_quantile(probability: float, dof: float) -> float:
@@ -169,7 +177,7 @@ def _voices(carried: FloatArray) -> float:
     return float(shares.sum() ** 2 / np.sum(shares**2))
 
 
-def _rows(
+def whitened_rows(
     fix: Fix, position: Position, marks: dict[str, Mark], columns: Sequence[Column], applied: FloatArray
 ) -> tuple[FloatArray, list[str]]:
     """Return the whitened rows (n, 3 + k + 1): design, columns of the errors, misclosure; and the mark of each."""

@@ -15,6 +15,7 @@ from navfix.catalog import RadarErrorsModel, RadarModel, radar_errors_model
 from navfix.errors import NoFix
 from navfix.kernels import Kernel
 from navfix.sequence import clock, range_bias
+from navfix.sequence.common_doubt import with_common_doubt
 from navfix.sequence.common_error import CommonErrors, Wanted
 from navfix.types import Association, CommonError, Epoch, Fix, Position, RadarErrors
 
@@ -23,6 +24,7 @@ class RadarErrorsOverTime:
     """Estimates clock offset and range bias from fixes as they come, and corrects epochs by what is significant.
 
     Correct an epoch, fix it, feed the fix: what was taken off is added again, so the estimate stays that of the whole.
+    `doubted` gives the fix the doubt about what was taken off.
 
     Parameters
     ----------
@@ -55,6 +57,7 @@ class RadarErrorsOverTime:
         )  # fmt: skip
         self._errors = CommonErrors((of_clock, of_ranges), memory_s=m.memory_s, probability=m.probability)
         self._offset_s = self._bias_m = 0.0
+        self._doubts = (0.0, 0.0)
         self._stamp_s = math.nan
 
     def corrected(self, epoch: Epoch) -> Epoch:
@@ -65,6 +68,7 @@ class RadarErrorsOverTime:
         self._bias_m = _to_apply(found.ranges, self._model.largest_m)
         if not self._windows:
             self._offset_s = self._slewed(epoch, _to_apply(found.clock, self._model.largest_s))
+            self._doubts = _doubt(found.clock, self._offset_s), _doubt(found.ranges, self._bias_m)
         return range_bias.with_bias(clock.with_offset(epoch, self._offset_s), self._bias_m)
 
     def feed(self, fix: Fix | None) -> None:
@@ -72,6 +76,13 @@ class RadarErrorsOverTime:
         single = self._of_newest_scan(fix) if self._windows and fix is not None else fix
         if single is not None:
             self._errors.feed(single, applied=(self._offset_s, self._bias_m))
+
+    def doubted(self, fix: Fix) -> Fix:
+        """Return the fix of the epoch that was corrected last with the sigma of what was taken off in its covariance.
+
+        The fix of a window is returned as it is: it has both errors among its unknowns.
+        """
+        return with_common_doubt(fix, (clock.column, range_bias.column), self._doubts)
 
     def estimate(self) -> RadarErrors:
         """Return both errors, with what is taken off now."""
@@ -103,3 +114,8 @@ class RadarErrorsOverTime:
 def _to_apply(found: CommonError, largest: float) -> float:
     """Return an error where it is told from zero and possible, else 0."""
     return found.value if found.significant and abs(found.value) <= largest else 0.0
+
+
+def _doubt(found: CommonError, applied: float) -> float:
+    """Return 1 sigma of what is left of an error: its own, and what is not yet taken off; 0 where nothing is."""
+    return math.hypot(found.sigma, found.value - applied) if applied != 0.0 else 0.0

@@ -37,6 +37,8 @@ def test_the_range_bias_is_found_taken_off_and_told(roads: Path, capsys: pytest.
     assert "navfix: radar range bias: +" in said
     assert "taken off" in said
     assert rows[0]["radar_errors"]["range"]["applied_m"] == 0.0
+    assert any("radar errors that were taken off" in note for note in rows[-1]["notes"])
+    assert not any("radar errors that were taken off" in note for note in rows[0]["notes"])
 
 
 def test_report_leaves_the_fix_as_it_is_and_off_says_nothing(roads: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from navfix.adjustment import adjust
-from navfix.geodesy import direct, inverse
+from navfix.geodesy import LocalPlane, direct, inverse
+from navfix.integrity import with_integrity
 from navfix.report.radar_errors import radar_errors_to_dict, radar_errors_words
 from navfix.sequence.clock import with_offset
 from navfix.sequence.radar_errors import RadarErrorsOverTime
@@ -130,6 +131,21 @@ def test_an_error_that_changes_is_followed():
     assert found.sigma < 20.0
 
 
+def test_ships_long_gone_are_dropped_and_what_they_said_is_not_missed():
+    """Half a day of passing ships: other ones every hour."""
+    errors, scenes = RadarErrorsOverTime(), fixes(11, azimuths_deg=RING, epochs=2, speed_mps=0.0, bias_m=90.0)
+    for hour in range(12):
+        for fix in scenes:
+            renamed = tuple(replace(m, label=f"{hour}-{m.label}") for m in fix.epoch.marks)
+            seen = tuple(replace(o, mark=f"{hour}-{o.mark}") for o in fix.observations)
+            later = fix.epoch.time_utc + timedelta(hours=hour)
+            errors.feed(replace(fix, observations=seen, epoch=replace(fix.epoch, marks=renamed, time_utc=later)))
+    assert len(errors._errors._voices) == len(RING)
+    found, alone = errors.estimate().ranges, estimated(scenes).ranges
+    assert found.value == pytest.approx(alone.value, abs=0.1 * alone.sigma)
+    assert found.sigma == pytest.approx(alone.sigma, rel=0.1)
+
+
 def test_what_is_taken_off_is_counted_in_the_estimate_and_told():
     errors, off, applied = RadarErrorsOverTime(), [], []
     for fix in fixes(9, azimuths_deg=RING, clock_s=-6.0, bias_m=80.0, epochs=12):
@@ -195,3 +211,54 @@ def test_before_any_fix_nothing_is_known_and_nothing_applied():
     assert radar_errors_to_dict(found)["clock"]["value_s"] is None
     assert radar_errors_words(found)[1].startswith("radar range bias: not observable (too few marks")
     assert radar_errors_to_dict(None) is None
+
+
+HALF = np.linspace(-100.0, 100.0, 11)
+
+
+def corrected_and_plain(**truth: float) -> tuple[RadarErrorsOverTime, Fix]:
+    """Return the estimator after a minute with ships on one side, and the newest fix with the errors taken off."""
+    errors = RadarErrorsOverTime()
+    for fix in fixes(9, azimuths_deg=HALF, epochs=12, **truth):
+        plain = adjust(
+            errors.corrected(fix.epoch), Association.from_pairs(fix.epoch, fix.association.pairs), kernel="none"
+        )
+        before = errors.estimate()
+        errors.feed(plain)
+    assert before.ranges.applied != 0.0
+    return errors, with_integrity(plain)
+
+
+def test_the_covariance_holds_the_doubt_about_a_range_bias_that_was_taken_off():
+    """Two roads: the normal equations, and the fix with a metre more taken off."""
+    errors, plain = corrected_and_plain(bias_m=80.0)
+    doubted, sigma_m = errors.doubted(plain), errors.estimate().ranges.sigma
+    assert errors.estimate().clock.applied == 0.0
+    other = adjust(with_bias(plain.epoch, 1.0), plain.association, kernel="none")
+    gain = np.array(LocalPlane(plain.position).to_plane(other.position))
+    added = (doubted.covariance - plain.covariance)[:2, :2]
+    assert np.linalg.norm(gain) > 0.3, "ships on one side: the bias moves the fix"
+    assert added == pytest.approx(sigma_m**2 * np.outer(gain, gain), rel=0.05, abs=0.1 * sigma_m**2 * gain @ gain)
+    assert doubted.position == plain.position
+    assert doubted.ellipse().semi_major_m > plain.ellipse().semi_major_m
+    assert doubted.integrity.r95_m > plain.integrity.r95_m
+    assert (
+        doubted.integrity.protection_level_m > plain.integrity.protection_level_m + 3.0 * np.linalg.norm(gain) * sigma_m
+    )
+
+
+def test_a_clock_that_is_not_yet_taken_off_as_a_whole_counts_with_what_is_left_of_it():
+    errors, plain = corrected_and_plain(bias_m=80.0, clock_s=-8.0)
+    assert errors.estimate().clock.applied != 0.0
+    only_ranges = RadarErrorsOverTime()
+    only_ranges._doubts = (0.0, errors._doubts[1])
+    assert np.trace(errors.doubted(plain).covariance) > np.trace(only_ranges.doubted(plain).covariance)
+
+
+def test_without_anything_taken_off_and_in_windows_the_fix_stays_as_it_is():
+    errors = RadarErrorsOverTime(windows=True)
+    for fix in fixes(9, azimuths_deg=RING, bias_m=80.0, epochs=8):
+        errors.feed(again(fix, errors.corrected(fix.epoch)))
+    assert errors.estimate().ranges.applied != 0.0
+    assert errors.doubted(fix) is fix
+    assert RadarErrorsOverTime().doubted(fix) is fix
