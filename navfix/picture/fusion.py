@@ -24,6 +24,7 @@ from navfix.types import (
 from navfix.units import wrap_180, wrap_360
 
 STEERING_MPS = 0.5  # slower, a course says nothing
+AIDS = ("aton", "charted")
 SAME_SHIP_CHI2 = 13.816  # 99.9 % of a chi-square of two
 WORST_ANGLE_DEG2 = 180.0**2
 
@@ -154,7 +155,12 @@ def ais_ship(mark: Mark, epoch: Epoch, own: OwnPose | None) -> TrackedShip:
 
 
 def fuse_ships(radar: TrackedShip, ais: TrackedShip) -> TrackedShip:
-    """Fuse what radar and AIS say of one ship, both with true bearings; what only one says is taken from it."""
+    """Fuse what radar and AIS say of one ship, both with true bearings; what only one says is taken from it.
+
+    An aid to navigation keeps its place: what speed and course the radar's track has are noise and stay out.
+    """
+    if ais.kind in AIDS:
+        radar = replace(radar, speed_mps=None, speed_variance_m2ps2=None, course_deg=None, course_variance_deg2=None)
     range_m, range_m2 = _joined(radar.range_m, radar.range_variance_m2, ais.range_m, ais.range_variance_m2)
     bearing_deg, bearing_deg2 = _joined(
         radar.bearing_deg, radar.bearing_variance_deg2, ais.bearing_deg, ais.bearing_variance_deg2, angle=True

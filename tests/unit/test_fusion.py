@@ -73,6 +73,18 @@ def test_angles_are_fused_across_north():
     assert value == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("kind", ["aton", "charted"])
+def test_an_aid_to_navigation_does_not_take_the_speed_of_the_radar_track(kind):
+    epoch = scene()
+    buoy = replace(epoch.marks[0], kind=kind, speed_mps=None, course_deg=None)
+    first, second = fused_list(replace(epoch, marks=(buoy, *epoch.marks[1:])), POSE, PAIRS).ships[:2]
+    assert first.sensor == "fused"
+    assert (first.speed_mps, first.course_deg) == (None, None)
+    assert (first.speed_variance_m2ps2, first.course_variance_deg2) == (None, None)
+    assert first.range_m == pytest.approx(second.range_m), "place is fused as that of a ship"
+    assert second.speed_mps is not None
+
+
 def test_pairs_are_fused_and_the_others_stand_alone():
     ships = fused_list(scene(), POSE, PAIRS)
     assert [ship.sensor for ship in ships.ships] == ["fused", "fused", "radar", "ais"]
