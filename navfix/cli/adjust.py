@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,13 +25,16 @@ SIDE_BY_SIDE = ("none", "huber", "hampel", "danish")
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """What one case gave: its report, its JSON object, the exit code that it stands for, and a line for stderr."""
+    """What one case gave: exit code, a line for stderr, and its report as text, JSON object and HTML section.
 
-    text: str
-    content: Mapping[str, Any]
+    Each report is made when it is asked for: the textbook's matrices have as many rows as there are observations.
+    """
+
+    text: Callable[[], str]
+    content: Callable[[], Mapping[str, Any]]
+    section: Callable[[], str]
     code: int = OK
     complaint: str = ""
-    section: str = ""
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -58,18 +61,22 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 
 def run(args: argparse.Namespace) -> int:
     """Adjust every case and print one report, or one line of JSON, for each."""
+    from navfix.report.case_html import cases_html
     from navfix.report.fix_json import to_json_line
 
     kernel = options.kernel(args)
     manner = {"damping": args.damping, "standardise": args.standardise}
     results = [_solved(name, kernel, manner) for name in args.case]
-    lines = [to_json_line(result.content) for result in results]
     for result in results:
         if result.complaint:
             print(f"navfix: {result.complaint}", file=sys.stderr)
-    text, as_json = "\n".join(result.text for result in results if result.text), "".join(f"{line}\n" for line in lines)
-    print(as_json if args.json else text, end="")
-    outputs.write_outputs(args.out, {".txt": lambda: text, ".json": lambda: as_json, ".html": lambda: _page(results)})
+    writers = {
+        ".txt": lambda: "\n".join(text for result in results if (text := result.text())),
+        ".json": lambda: "".join(f"{to_json_line(result.content())}\n" for result in results),
+        ".html": lambda: cases_html([result.section() for result in results], "navfix: adjustment"),
+    }
+    print(writers[".json" if args.json else ".txt"](), end="")
+    outputs.write_outputs(args.out, writers)
     return min(result.code for result in results)  # one fix is enough for 0, one readable case for 3
 
 
@@ -82,19 +89,24 @@ def _solved(name: str, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
         case = parse_case(_text(name), source="stdin" if name == values.STDIN else name)
     except (InputError, OSError, UnicodeDecodeError) as error:
         code, complaint = outcome(error)
-        return Result("", _nothing(name, "unreadable", complaint), code, complaint)
+        return _refused(name, "unreadable", complaint, code, complaint)
     try:
         return _adjusted(case, kernel, manner)
     except NoFix as error:
         code, complaint = outcome(error)
-        return Result("", _nothing(case.name, error.reason, str(error), error), code, f"{name}: {complaint}")
+        return _refused(case.name, error.reason, str(error), code, f"{name}: {complaint}", error)
 
 
-def _page(results: Sequence[Result]) -> str:
-    from navfix.report.case_html import cases_html, refused_html
+def _refused(case: str, reason: str, message: str, code: int, complaint: str, error: NoFix | None = None) -> Result:
+    from navfix.report.case_html import refused_html
 
-    sections = [r.section or refused_html(str(r.content["case"]), str(r.content["message"])) for r in results]
-    return cases_html(sections, "navfix: adjustment")
+    return Result(
+        text=lambda: "",
+        content=lambda: _nothing(case, reason, message, error),
+        section=lambda: refused_html(case, message),
+        code=code,
+        complaint=complaint,
+    )
 
 
 def _text(name: str) -> str:
@@ -123,8 +135,11 @@ def _adjusted(case: Case, kernel: Kernel, manner: Mapping[str, Any]) -> Result:
         except NoFix as error:
             others[name] = error
     others.setdefault(kernel.name, fix)
-    section = case_html(case, step, fix, others)
-    return Result(case_report(case, step, fix, others), _content(case, fix, step), section=section)
+    return Result(
+        text=lambda: case_report(case, step, fix, others),
+        content=lambda: _content(case, fix, step),
+        section=lambda: case_html(case, step, fix, others),
+    )
 
 
 def _content(case: Case, fix: Fix, step: LinearStep | None) -> dict[str, Any]:

@@ -284,3 +284,17 @@ def test_the_report_names_damping_and_standardisation(
     assert main(["adjust", GDYNIA, *options, "--json"]) == 0
     content = lines(capsys)[0]
     assert (content["damping"], content["standardise"]) == keys
+
+
+def test_only_the_reports_that_are_asked_for_are_made(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The matrices of the textbook grow with the square of the marks: the text needs neither page nor JSON."""
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("not asked for")
+
+    monkeypatch.setattr("navfix.report.case_html.case_html", refuse)
+    monkeypatch.setattr("navfix.report.case_json.textbook_to_dict", refuse)
+    assert main(["adjust", GDYNIA]) == 0
+    assert "ADJUSTED" in capsys.readouterr().out
