@@ -68,7 +68,8 @@ def run(args: argparse.Namespace) -> int:
     outputs.protect_inputs(argparse.Namespace(**{**vars(args), "out": written}))
     track, charted = inputs.truth_track(args), inputs.charted_marks(args)
     log = inputs.read_all(args, charted=bool(charted))
-    lines, fixes, known, veracity = [], 0, 0, AisVeracity()
+    lines: list[str] = []  # kept for --out only: a log of days has many
+    scans, fixes, known, veracity = 0, 0, 0, AisVeracity()
     errors: RadarErrors | None = None
     compass_told = False
     for answer in _answers(log, args, track, charted):
@@ -81,14 +82,17 @@ def run(args: argparse.Namespace) -> int:
                 veracity.feed(answer.fix)
         known += answer.truth is not None
         errors = answer.radar_errors or errors
-        lines.append(render(answer, ".json").strip())
-        print(lines[-1], flush=True)
-    if not lines:
+        scans += 1
+        line = render(answer, ".json").strip()
+        print(line, flush=True)
+        if args.out:
+            lines.append(line)
+    if not scans:
         raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
     outputs.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
     truths = "" if track is None else f", {known} of them with a truth"
-    print(f"navfix: {fixes} fixes in {len(lines)} scans{truths}", file=sys.stderr)
-    if errors is not None:
+    print(f"navfix: {fixes} fixes in {scans} scans{truths}", file=sys.stderr)
+    if errors is not None and fixes:
         _tell_radar_errors(errors, windows=_in_windows(args))
     if args.veracity is not None:
         _write_veracity(args.veracity, veracity.ships())
