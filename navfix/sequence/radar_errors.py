@@ -80,7 +80,7 @@ class RadarErrorsOverTime:
     def doubted(self, fix: Fix) -> Fix:
         """Return the fix of the epoch that was corrected last with the sigma of what was taken off in its covariance.
 
-        The fix of a window is returned as it is: it has both errors among its unknowns.
+        The fix of a window is returned as it is: its adjustment has both errors among its unknowns.
         """
         return with_common_doubt(fix, (clock.column, range_bias.column), self._doubts)
 
