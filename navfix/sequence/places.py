@@ -102,8 +102,8 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
     origin = scene.flat.origin
     plane = cloud_to_plane(origin, [p.position.lat_deg for p in carried], [p.position.lon_deg for p in carried])
     widened = np.diag([model.prior_m**2, model.prior_m**2, math.radians(model.prior_deg) ** 2])
-    # A heading holds at the place's own instant; the tracks are de-rotated to the first scan.
-    turns = np.array([scene.yaw.at(place.time_s) for place in places])
+    # A heading holds at the place's own instant; the tracks are de-rotated to the first scan, which may be later.
+    turns = np.array([scene.yaw.at(place.time_s) - _turned_before(place, first_s) for place in places])
     p = plane[:, 0] + 1j * plane[:, 1]
     return PosePrior(
         0,
@@ -111,6 +111,13 @@ def as_prior(places: Sequence[Place], window: Window, model: NavigatorModel) -> 
         np.radians([place.heading_deg for place in places]) - turns - convergence_of(scene.flat, p),
         np.array([model.prior_factor**2 * p.covariance + widened for p in carried]),
     )
+
+
+def _turned_before(place: Place, first_s: float) -> float:
+    """Return how far own ship has turned [rad] from a place to the first scan of a window that begins after it."""
+    if place.yaw is None or place.time_s >= first_s:
+        return 0.0
+    return math.radians(place.yaw.between_deg(place.time_s, first_s))
 
 
 def as_known_pose(place: Place, epoch: Epoch, model: NavigatorModel) -> KnownPose:

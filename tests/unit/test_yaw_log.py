@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 
 import numpy as np
 import pytest
 
+from navfix.association.window.joint import prepare
 from navfix.catalog import navigator_model
-from navfix.sequence.places import Place
+from navfix.geodesy import direct
+from navfix.sequence.places import Place, as_prior
 from navfix.sequence.yaw import YawLog
-from navfix.types import Epoch, Position, RadarTarget
+from navfix.types import Epoch, Mark, Position, RadarTarget
+from navfix.units import wrap_180
 
 START = datetime(2026, 5, 1, tzinfo=UTC)
 
@@ -36,6 +40,22 @@ def test_a_place_carried_through_a_turn_lies_as_the_ship_does(rate_degps: float)
     assert not after.differs(seen, model.apart_m, model.apart_deg)
     back = after.carried(begin_s, model)
     assert back.turn_deg(place) < 0.1
+
+
+@pytest.mark.parametrize("found_at", [0, 3, 5])
+def test_the_prior_of_a_window_has_the_heading_at_its_first_scan(found_at: int) -> None:
+    """A window of the scans from the fourth on; the place was known before it, at its first scan, or after it."""
+    yaw, model, rate_degps = YawLog(), navigator_model("default"), 3.0
+    marks = tuple(Mark(f"m{i}", direct(Position(54.0, 18.0), 70.0 * i, 2000.0 + 500.0 * i), 10.0) for i in range(5))
+    turning = [replace(epoch, marks=marks) for epoch in scans(rate_degps)]
+    for epoch in turning:
+        yaw.feed(epoch)
+    at_s = START.timestamp() + 2.5 * found_at
+    heading_deg = (350.0 + rate_degps * 2.5 * found_at) % 360.0
+    place = Place(at_s, Position(54.0, 18.0), heading_deg, 0j, np.diag([100.0, 100.0, 1e-4]), yaw)
+    prior = as_prior([place], prepare(turning[3:]), model)
+    first_deg = 350.0 + rate_degps * 2.5 * 3
+    assert wrap_180(np.degrees(prior.heading_rad[0]) - first_deg) == pytest.approx(0.0, abs=0.1)
 
 
 def test_without_scans_or_log_a_heading_is_kept() -> None:
