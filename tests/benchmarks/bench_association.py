@@ -22,7 +22,7 @@ from navfix.association import scene as scenes
 from navfix.association.epoch import associate
 from navfix.association.pair_index import PairIndex
 from navfix.catalog import AssociationModel, association_model, radar_model
-from navfix.errors import Ambiguous, NoFix
+from navfix.errors import Ambiguous, NoAgreement, NoFix
 from navfix.geodesy import LocalPlane, direct, inverse
 from navfix.simulation.scenes import MadeScene, SceneRecipe, make_scene
 from navfix.types import Epoch, HeadingHint, Mark, Position, PositionHint, RadarTarget
@@ -292,11 +292,11 @@ def rows(count: int) -> Iterator[str]:
             try:
                 associate(epoch)
                 picked += 1
-            except Ambiguous as ambiguous:
-                places_m = np.array([inverse(own, a.position)[0] for a in ambiguous.alternatives])
+            except (Ambiguous, NoAgreement) as refused:
+                places_m = np.array([inverse(own, a.position)[0] for a in refused.alternatives])
                 listed.append(len(places_m))
                 with_truth += bool(places_m.min() < 300.0)
-                steps.append(np.median(_nearest_m(ambiguous)))
+                steps.append(np.median(_nearest_m(refused)))
             except NoFix:
                 listed.append(0)
         yield (
@@ -616,8 +616,8 @@ def _epoch_of(
     return Epoch(None, targets, marks)
 
 
-def _nearest_m(ambiguous: Ambiguous) -> list[float]:
-    places = [a.position for a in ambiguous.alternatives]
+def _nearest_m(refused: Ambiguous | NoAgreement) -> list[float]:
+    places = [a.position for a in refused.alternatives]
     return [min(d for d in (inverse(one, other)[0] for other in places) if d > 300.0) for one in places]
 
 
