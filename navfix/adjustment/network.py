@@ -18,7 +18,7 @@ KIND_NAMES: tuple[ObservationKind, ...] = ("range", "relative_bearing", "true_be
 KIND_CODES: dict[ObservationKind, int] = {name: code for code, name in enumerate(KIND_NAMES)}
 BoolArray = NDArray[np.bool_]
 _TURN_RAD = 2.0 * np.pi
-_NEAREST_M = 1e-6  # a mark nearer than this has no direction: keeps the derivatives finite
+NEAREST_M = 1e-6  # a mark nearer than this has no direction: keeps the derivatives finite
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -240,7 +240,7 @@ class Sight(NamedTuple):
 def sight(network: Network, pose: FloatArray) -> Sight:
     """Return the lines of sight from ``pose`` (..., 3)."""
     north, east = network.place[0] - pose[..., 0:1], network.place[1] - pose[..., 1:2]
-    return Sight(north, east, np.maximum(np.hypot(north, east), _NEAREST_M))
+    return Sight(north, east, np.maximum(np.hypot(north, east), NEAREST_M))
 
 
 def predict(network: Network, pose: FloatArray, seen: Sight | None = None) -> FloatArray:

@@ -13,11 +13,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from navfix.adjustment.network import Network
+from navfix.adjustment.network import NEAREST_M, Network
 from navfix.types import FloatArray
 
 ComplexArray = NDArray[np.complex128]
-_NEAREST_M = 1e-6  # a mark nearer than this has no direction: keeps the derivatives finite
 
 
 class Seen(NamedTuple):
@@ -63,7 +62,7 @@ class Polar(NamedTuple):
     def seen(self, pose: FloatArray) -> Seen:
         """Return the marks as seen from poses (s, 3); v = adjusted - observed, bearings within -pi .. pi."""
         away = self.place - (pose[:, 0] + 1j * pose[:, 1])[:, None]
-        distance = np.maximum(np.abs(away), _NEAREST_M)
+        distance = np.maximum(np.abs(away), NEAREST_M)
         ahead = np.exp(-1j * pose[:, 2])[:, None]
         turned = away * self.bearing * (ahead if self.all_relative else np.where(self.relative > 0.0, ahead, 1.0))
         return Seen(away / distance, distance, distance - self.range_m, np.arctan2(turned.imag, turned.real))
