@@ -8,6 +8,7 @@ import numpy as np
 
 from navfix.association.window.tracks import epoch_time
 from navfix.sequence.places import Place, Sailed
+from navfix.sequence.sailing import through_water, turned
 from navfix.sequence.yaw import YawLog
 from navfix.types import Epoch
 from navfix.units import wrap_180
@@ -49,15 +50,19 @@ class OwnSensors:
         time_s, gyro_deg, log_mps = np.array(heard).T
         if np.isnan(gyro_deg).any():
             return None
-        turn = np.exp(1j * np.radians(gyro_deg - gyro_deg[0]))
-        turned_deg = float(np.degrees(np.angle(turn[-1])))
+        steps_deg = wrap_180(np.diff(gyro_deg))
+        turned_deg = float(wrap_180(gyro_deg[-1] - gyro_deg[0]))
         if abs(wrap_180(turned_deg - self._yaw.between_deg(place.time_s, to_s))) > _CONTRADICTS_DEG:
             return None
-        if np.isnan(log_mps).any():
-            velocity, by = place.velocity_mps * turn, "gyro"
-        else:
-            ahead = np.exp(1j * np.radians(place.heading_deg))
-            current = place.velocity_mps - log_mps[0] * ahead
-            velocity, by = log_mps * ahead * turn + current, "log and gyro"
-        way_m = complex((0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time_s)).sum())
-        return Sailed(way_m, turned_deg, by)
+        by_log = not np.isnan(log_mps).any()
+        ahead = np.exp(1j * np.radians(place.heading_deg))
+        velocity = place.velocity_mps - log_mps[0] * ahead if by_log else place.velocity_mps  # current, or over ground
+        way_m, heading_deg = 0j, place.heading_deg
+        for k, (step_s, step_deg) in enumerate(zip(np.diff(time_s), steps_deg, strict=True)):
+            if by_log:
+                way_m += through_water((log_mps[k], log_mps[k + 1]), heading_deg, step_deg, step_s) + velocity * step_s
+            else:
+                way_m += turned(velocity, 0.5 * step_deg) * step_s
+                velocity = turned(velocity, step_deg)
+            heading_deg += step_deg
+        return Sailed(complex(way_m), turned_deg, "log and gyro" if by_log else "gyro")
