@@ -62,6 +62,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Solve scan by scan; a line as soon as it is known (with --smooth at the end)."""
     from navfix.integrity import AisVeracity
+    from navfix.report.error_summary import ErrorSummary
     from navfix.report.writers import render
 
     written = [path for path in (*args.out, args.veracity) if path is not None]
@@ -69,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     track, charted = inputs.truth_track(args), inputs.charted_marks(args)
     log = inputs.read_all(args, charted=bool(charted))
     lines: list[str] = []  # kept for --out only: a log of days has many
-    scans, fixes, known, veracity = 0, 0, 0, AisVeracity()
+    scans, fixes, off, veracity = 0, 0, ErrorSummary(), AisVeracity()
     errors: RadarErrors | None = None
     compass_told = False
     for answer in _answers(log, args, track, charted):
@@ -80,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
             fixes += 1
             if answer.fix.observations:  # a place carried forward has none
                 veracity.feed(answer.fix)
-        known += answer.truth is not None
+        off.feed(answer.truth)
         errors = answer.radar_errors or errors
         scans += 1
         line = render(answer, ".json").strip()
@@ -90,7 +91,7 @@ def run(args: argparse.Namespace) -> int:
     if not scans:
         raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
     outputs.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
-    truths = "" if track is None else f", {known} of them with a truth"
+    truths = "" if track is None else f", {off.words()}"
     print(f"navfix: {fixes} fixes in {scans} scans{truths}", file=sys.stderr)
     if errors is not None and fixes:
         _tell_radar_errors(errors, windows=_in_windows(args))

@@ -14,14 +14,15 @@ from navfix.types import DeadReckoning, Epoch, Fix, GnssVerdict, MeanFix, Positi
 class Truth:
     """Where own ship really was, and how far the fix lies from it.
 
-    ``error_m`` and ``heading_error_deg`` (fix minus truth, -180 .. 180) are None where there is no fix; the heading is
-    None where the truth file does not tell it.
+    ``error_m`` and ``heading_error_deg`` (fix minus truth, -180 .. 180) are None where there is no fix, as is
+    ``in_ellipse``: whether the 95 % ellipse holds the truth. The heading is None where the truth file does not tell it.
     """
 
     position: Position
     heading_deg: float | None = None
     error_m: float | None = None
     heading_error_deg: float | None = None
+    in_ellipse: bool | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -339,6 +339,7 @@ def truth_to_dict(truth: Truth | None) -> dict[str, Any] | None:
     return {
         "distance_m": plain(truth.error_m),
         "heading_error_deg": plain(truth.heading_error_deg),
+        "in_ellipse": truth.in_ellipse,
         "position": position_to_dict(truth.position),
         "heading_deg": plain(truth.heading_deg),
     }

@@ -87,10 +87,13 @@ def with_truth(answer: Answer, track: TruthTrack) -> Answer:
     found = answer.fix
     if found is None or not isinstance(found.position, Position):
         return replace(answer, truth=truth)
-    error_m, _ = inverse(truth.position, found.position)
+    error_m, azimuth_deg = inverse(found.position, truth.position)
+    azimuth = math.radians(azimuth_deg)
+    inside = found.ellipse(0.95).holds(error_m * math.cos(azimuth), error_m * math.sin(azimuth))
     known = truth.heading_deg is not None and found.heading_deg is not None
     heading_error_deg = wrap_180(found.heading_deg - truth.heading_deg) if known else None  # type: ignore[operator]
-    return replace(answer, truth=replace(truth, error_m=error_m, heading_error_deg=heading_error_deg))
+    told = replace(truth, error_m=error_m, heading_error_deg=heading_error_deg, in_ellipse=inside)
+    return replace(answer, truth=told)
 
 
 def _row(row: dict[str, str | None], source: str, line: int) -> tuple[float, Position, float | None]:

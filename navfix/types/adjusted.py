@@ -46,6 +46,15 @@ class Ellipse:
         azimuth_deg = math.degrees(math.atan2(eigenvectors[1, 1], eigenvectors[0, 1])) % 180.0
         return cls(float(major), float(minor), azimuth_deg, probability)
 
+    def holds(self, north_m: float, east_m: float) -> bool:
+        """Tell whether the ellipse holds a point so far to north and east of its centre."""
+        azimuth = math.radians(self.azimuth_deg)
+        along_m = north_m * math.cos(azimuth) + east_m * math.sin(azimuth)
+        across_m = east_m * math.cos(azimuth) - north_m * math.sin(azimuth)
+        if self.semi_minor_m <= 0.0:
+            return across_m == 0.0 and abs(along_m) <= self.semi_major_m
+        return math.hypot(along_m / self.semi_major_m, across_m / self.semi_minor_m) <= 1.0
+
 
 def confidence_radius(probability: float, *, dof: float | None = None) -> float:
     """Return the Mahalanobis radius that holds ``probability`` in two dimensions (2.448 for 95 %, 3.035 for 99 %)."""

@@ -61,9 +61,8 @@ class Tally:
             return
         distance_m, azimuth_deg = inverse(there.position, fix.position)
         azimuth = np.radians(azimuth_deg)
-        off = distance_m * np.array([np.cos(azimuth), np.sin(azimuth)])
         self.errors_m.append(distance_m)
-        self.held.append(bool(off @ np.linalg.solve(fix.covariance[:2, :2], off) <= _radius_sq(fix.dof)))
+        self.held.append(fix.ellipse(0.95).holds(distance_m * np.cos(azimuth), distance_m * np.sin(azimuth)))
 
     def note(self, track: TrackState, step_s: float = 5.0) -> None:
         """Take what the navigator says of its place: the doubt, and for how long it was given out unconfirmed."""
@@ -87,11 +86,6 @@ class Tally:
             f"| {self.name} | {self.tried} | {share:.0f} | {np.median(e):.0f} | {np.percentile(e, 95):.0f} "
             f"| {e.max():.0f} | {held:.0f} | {wrong} | {self.cpu_s / max(self.tried, 1):.2f} |"
         )
-
-
-def _radius_sq(dof: float) -> float:
-    """Return the squared radius of the 95 % ellipse in sigma: the F quantile of a fix's own degrees of freedom."""
-    return 5.991 if np.isinf(dof) else dof * (0.05 ** (-2.0 / dof) - 1.0)
 
 
 def cut(scans: Sequence[Epoch], length_s: float, step_s: float) -> Iterator[tuple[Epoch, ...]]:

@@ -43,7 +43,8 @@ def test_replay_holds_a_place_and_says_what_it_knows_of_it(
     approach: str, truth: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["replay", approach, "--every", "9", "--truth", truth]) == 0
-    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    printed = capsys.readouterr()
+    lines = [json.loads(line) for line in printed.out.splitlines()]
     states = [line["track"]["status"] for line in lines]
     assert states[0] == "cold"
     assert lines[0]["reason"] == "no_agreement"
@@ -51,7 +52,11 @@ def test_replay_holds_a_place_and_says_what_it_knows_of_it(
     assert lines[-1]["status"] == "fix"
     assert lines[-1]["track"]["probability_wrong"] >= 0.01
     assert lines[-1]["track"]["since_s"] > 30.0
-    assert all(line["truth"]["distance_m"] <= 120.0 for line in lines if line["status"] == "fix")
+    truths = [line["truth"] for line in lines if line["status"] == "fix"]
+    assert all(row["distance_m"] <= 120.0 for row in truths)
+    share = 100 * sum(row["in_ellipse"] for row in truths) / len(truths)
+    worst_m = max(row["distance_m"] for row in truths)
+    assert f"{worst_m:.0f} m at worst; {share:.0f} % inside the 95 % ellipse" in printed.err
 
 
 def test_independent_windows_and_scans_carry_no_track(approach: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ from navfix.errors import NoFix
 from navfix.geodesy import inverse
 from navfix.nmea import read_log
 from navfix.simulation import scenario
-from navfix.types import Position, confidence_radius
+from navfix.types import Position
 
 WRONG_M = 300.0
 SCENE = """
@@ -84,9 +84,7 @@ def outcome(model: str, offset_s: float, seeds: range) -> Outcome:
         distance_m, azimuth_deg, *_ = inverse(fix.position, Position(row.lat_deg, row.lon_deg))
         off = distance_m * np.array([np.cos(np.radians(azimuth_deg)), np.sin(np.radians(azimuth_deg))])
         errors_m.append(distance_m)
-        dof = fix.dof if fix.covariance_scaling == "a_posteriori" else None
-        radius = confidence_radius(0.95, dof=dof)
-        inside += bool(off @ np.linalg.solve(fix.covariance[:2, :2], off) <= radius**2)
+        inside += fix.ellipse(0.95).holds(*off)
     return Outcome(len(errors_m), sum(e > WRONG_M for e in errors_m), inside, tuple(errors_m))
 
 
