@@ -1,15 +1,21 @@
-"""The monitor of GNSS fed with fixes of sliding windows, every one of them adjusted: 15 pairs, gyro and log, 60 s."""
+"""The monitor of GNSS fed with fixes of sliding windows or of the navigator: 15 pairs, gyro and log, 60 s."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from tests.alarm_scenes import STEP_S, alarm_s, drag_off, jump, quiet_hours
+from tests.alarm_scenes import STEP_S, alarm_s, drag_off, jump, navigator_alarm_s, quiet_hours
 
 
 def test_a_jump_of_200_m_alarms_at_the_second_turn() -> None:
     assert alarm_s(1, 6, 4, jump) == (STEP_S, 0)
+
+
+def test_a_jump_of_200_m_alarms_within_three_turns_in_the_whole_navigator() -> None:
+    since_s, early = navigator_alarm_s(1, 2, 4, jump)
+    assert since_s <= 2.0 * STEP_S
+    assert early == 0
 
 
 @pytest.mark.study
