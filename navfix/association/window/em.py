@@ -1,7 +1,7 @@
-"""Step 6: the EM of one scan, over a window: responsibilities of whole tracks, Gauss-Newton on the whole own motion.
+"""Step 6b: the EM of one scan, over a window: responsibilities of whole tracks, Gauss-Newton on the whole own motion.
 
 E-step: each track is one of the marks near it, or clutter that stands or moves. M-step: one Gauss-Newton step on all
-knots and the clock, with the priors of own motion. While it is far off, only the pose of the whole is moved.
+knots and the clock, with the priors of own motion.
 """
 
 from __future__ import annotations
@@ -12,77 +12,37 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE
-from navfix.association.window.fit import Clutter, Fit, WindowField, as_clutter, lay_over, log_fit
+from navfix.association.window.fit import LINE, SCATTER, Clutter, Fit, WindowField, as_clutter, lay_over, log_fit
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
 class Expectation:
-    """Responsibilities (k, m, q) of the marks and (k, m) of clutter; ``log_total`` (k,) at nominal shares."""
+    """Responsibilities (k, m, q) of the marks and (k, m) of clutter."""
 
     on_mark: FloatArray
     on_clutter: FloatArray
     scatter_weight: FloatArray
     clutter: Clutter
-    log_total: FloatArray
 
 
-def likelihood_ratio(
-    field: WindowField, fit: Fit, clutter: Clutter, level: float, widening: float = 1.0, position_only: bool = False
+def density_ratio(
+    field: WindowField, fit: Fit, clutter: Clutter, widening: float = 1.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Return w_ij = Pd_j / (1 - Pd_j) N_ij / (lambda_i V_i) (k, m, q), and the weight of the scatter: eq. (6.20)."""
-    flat = field.scene.flat
-    pd = level * field.flat.detection(flat.range_m[None, :, None], flat.conspicuity[fit.mark])
-    log_density, weight = log_fit(field, fit, widening, position_only)
-    against = np.log(field.flat.clutter_per_m2)[None, :]
-    if not position_only:
-        against = against + clutter.log_density
-    return pd / (1.0 - pd) * np.exp(np.minimum(log_density - against[:, :, None], 200.0)), weight
+    """Return N_ij / (lambda_i V_i) (k, m, q), and the weight of the scatter: eq. (6.20) at detection odds of one."""
+    log_density, weight = log_fit(field, fit, widening)
+    against = np.log(field.flat.clutter_per_m2)[None, :] + clutter.log_density
+    return np.exp(np.minimum(log_density - against[:, :, None], 200.0)), weight
 
 
-def expect(field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False) -> Expectation:
+def expect(field: WindowField, fit: Fit, widening: float = 1.0) -> Expectation:
     """Return the E-step at nominal clutter share and detection level."""
-    none = np.zeros(fit.mark.shape[:2])
-    clutter = Clutter(none, none[None], none) if position_only else as_clutter(field, fit.path)
-    ratio, weight = likelihood_ratio(field, fit, clutter, NOMINAL_LEVEL, widening, position_only)
+    clutter = as_clutter(field, fit.path)
+    density, weight = density_ratio(field, fit, clutter, widening)
+    ratio = field.odds(fit.mark, NOMINAL_LEVEL) * density
     total = NOMINAL_SHARE + ratio.sum(axis=2)
-    log_total = np.log(total).sum(axis=1)
-    if not position_only:
-        log_total = log_total + clutter.log_density.sum(axis=1)
-    return Expectation(ratio / total[:, :, None], NOMINAL_SHARE / total, weight, clutter, log_total)
-
-
-def rigid_step(field: WindowField, knots: Knots, widening: float) -> tuple[Knots, FloatArray]:
-    """Move k own motions as a whole, by the places of the tracks only; return them and ln of the total before."""
-    fit = lay_over(field, knots, position_only=True)
-    expected = expect(field, fit, widening, position_only=True)
-    weight = expected.on_mark[..., None] / (fit.variance_m2[..., 0, :] * widening**2)
-    pull = (weight * fit.misfit[..., 0, :]).sum(axis=2)  # (k, m, 2)
-    J = _rigid_jacobian(field, fit, knots)
-    information = np.einsum("kmac,kma,kmad->kcd", J, weight.sum(axis=2), J)
-    gradient = np.einsum("kmac,kma->kc", J, pull)
-    information += np.diag([1.0 / 3000.0**2, 1.0 / 3000.0**2, 1.0 / 0.5**2])[None]
-    step = np.linalg.solve(information, gradient[:, :, None])[:, :, 0]
-    turn = np.exp(1j * step[:, 2])[:, None]
-    centre = knots.p[:, field.scene.gauge, None]
-    moved = Knots(
-        centre + (step[:, 0] + 1j * step[:, 1])[:, None] + turn * (knots.p - centre),
-        knots.heading_rad + step[:, 2, None],
-        knots.clock_s,
-    )
-    return moved, expected.log_total
-
-
-def _rigid_jacobian(field: WindowField, fit: Fit, knots: Knots) -> FloatArray:
-    """Return what a step of the whole (north, east, heading) does to the mean of each track: (k, m, 2, 3)."""
-    scene = field.scene
-    back = np.conj(fit.axis)
-    root = np.sqrt(scene.bins)[None, :]
-    arm = np.where(scene.alive[None], 1j * (knots.p - knots.p[:, scene.gauge, None])[:, None, :] * back[..., None], 0.0)
-    turn = np.einsum("mb,kmb->km", scene.basis[:, 0, :], arm + fit.lever)
-    columns = np.stack([root * back, 1j * root * back, turn], axis=-1)
-    return np.stack([columns.real, columns.imag], axis=2)
+    return Expectation(ratio / total[:, :, None], NOMINAL_SHARE / total, weight, clutter)
 
 
 def knot_step(
@@ -93,7 +53,8 @@ def knot_step(
     ``track_weight`` (k, m) leaves tracks out (0) or counts them (1).
     """
     fit = lay_over(field, knots)
-    information, gradient = normal_equations(field, fit, expect(field, fit, widening), widening, track_weight)
+    expected = expect(field, fit, widening)
+    information, gradient = normal_equations(field, knots, fit, expected, widening, track_weight)
     information += prior.full_information
     gradient += prior.gradient(knots)
     step: FloatArray = np.asarray(np.linalg.solve(information, gradient[:, :, None])[:, :, 0], dtype=np.float64)
@@ -101,48 +62,57 @@ def knot_step(
 
 
 def normal_equations(
-    field: WindowField, fit: Fit, expected: Expectation, widening: float, track_weight: FloatArray | None = None
+    field: WindowField,
+    knots: Knots,
+    fit: Fit,
+    expected: Expectation,
+    widening: float = 1.0,
+    track_weight: FloatArray | None = None,
 ) -> tuple[FloatArray, FloatArray]:
     """Return A'WA (k, d, d) and A'Wl (k, d) of the tracks, without priors."""
-    J = _jacobian(field, fit)  # (k, (m s a), 3 K)
+    J = _jacobian(field, knots, fit)  # (k, (m s a), 3 K)
     weight = _mark_weight(field, fit, expected, widening)  # (k, m, q, s, 2)
     of_clutter = _clutter_weight(field, expected)
+    drift = weight * fit.rate
     total = weight.sum(axis=2) + of_clutter
     pull = (weight * fit.misfit).sum(axis=2) + of_clutter * fit.path
-    with_clock = -(weight * fit.rate).sum(axis=2)
-    clock_square = (weight * fit.rate**2).sum(axis=2)
-    clock_pull = -(weight * fit.rate * fit.misfit).sum(axis=2)
+    with_clock = -drift.sum(axis=2)
+    clock_square, clock_pull = (np.einsum("kmqsa,kmqsa->km", drift, by) for by in (fit.rate, -fit.misfit))
     if track_weight is not None:
         scale = track_weight[:, :, None, None]
         total, pull, with_clock = total * scale, pull * scale, with_clock * scale
-        clock_square, clock_pull = clock_square * scale, clock_pull * scale
+        clock_square, clock_pull = clock_square * track_weight, clock_pull * track_weight
     count, d = len(J), J.shape[2] + 1
     information, gradient = np.zeros((count, d, d)), np.zeros((count, d))
     back = np.swapaxes(J, 1, 2)
+    right = np.stack([with_clock.reshape(count, -1), pull.reshape(count, -1)], axis=2)
+    by_clock, by_pull = np.moveaxis(back @ right, 2, 0)
     information[:, :-1, :-1] = back @ (J * total.reshape(count, J.shape[1], 1))
-    information[:, :-1, -1] = information[:, -1, :-1] = (back @ with_clock.reshape(count, J.shape[1], 1))[:, :, 0]
-    information[:, -1, -1] = clock_square.sum(axis=(1, 2, 3))
-    gradient[:, :-1] = (back @ pull.reshape(count, J.shape[1], 1))[:, :, 0]
-    gradient[:, -1] = clock_pull.sum(axis=(1, 2, 3))
+    information[:, :-1, -1] = information[:, -1, :-1] = by_clock
+    information[:, -1, -1] = clock_square.sum(axis=1)
+    gradient[:, :-1], gradient[:, -1] = by_pull, clock_pull.sum(axis=1)
     return information, gradient
 
 
-def _jacobian(field: WindowField, fit: Fit) -> FloatArray:
+def _jacobian(field: WindowField, knots: Knots, fit: Fit) -> FloatArray:
     """Return what every unknown does to the coordinates of every track: (k, m s 2, 3 K)."""
     scene = field.scene
-    back = np.broadcast_to(np.conj(fit.axis)[:, :, None], fit.lever.shape)
-    columns = np.stack([back, 1j * back, fit.lever], axis=-1)  # (k, m, b, 3)
-    parts = np.stack([columns.real, columns.imag], axis=2)  # (k, m, a, b, 3)
-    J: FloatArray = scene.basis[None, :, :, None, :, None] * parts[:, :, None]  # (k, m, s, a, b, 3)
+    back = np.conj(fit.axis)[:, :, None]
+    lever = 1j * np.exp(1j * knots.heading_rad)[:, None] * scene.rho * back  # (k, m, b)
+    place = np.broadcast_to(back, lever.shape)
+    columns = np.stack([place, 1j * place, lever], axis=-1).reshape(*lever.shape[:2], 1, 3 * scene.knots)
+    parts = np.stack([columns.real, columns.imag], axis=3)  # (k, m, 1, a, 3 K)
+    J: FloatArray = field.basis_of_unknowns[:, :, None] * parts  # (k, m, s, a, 3 K)
     return J.reshape(len(J), math.prod(J.shape[1:4]), 3 * scene.knots)
 
 
 def _mark_weight(field: WindowField, fit: Fit, expected: Expectation, widening: float) -> FloatArray:
-    scene = field.scene
+    """Return the weight (k, m, q, s, 2) of every coordinate on every mark."""
     weight = expected.on_mark[..., None, None] / fit.variance_m2
-    weight[..., :2, :] /= widening**2
-    weight[..., 2:, :] *= expected.scatter_weight[..., None, None]
-    return np.where(scene.used[None, :, None, :, None], weight, 0.0)
+    weight[..., :SCATTER, :] /= widening**2
+    weight[..., SCATTER, :] *= expected.scatter_weight[..., None]
+    of_every = np.repeat(weight, field.coordinates, axis=3)
+    return np.where(field.scene.used[:, None, :, None], of_every, 0.0)
 
 
 def _clutter_weight(field: WindowField, expected: Expectation) -> FloatArray:
@@ -152,8 +122,8 @@ def _clutter_weight(field: WindowField, expected: Expectation) -> FloatArray:
     if scene.knots == 1:
         return weight
     line = (clutter.kind[..., None] / field.line_m2[:, None]).sum(axis=0)
-    weight[..., 1, :] = expected.on_clutter[..., None] * line
-    weight[..., 2:, :] = (expected.on_clutter * clutter.scatter_weight)[..., None, None] / scene.white_m2[
+    weight[..., LINE, :] = expected.on_clutter[..., None] * line
+    weight[..., SCATTER:, :] = (expected.on_clutter * clutter.scatter_weight)[..., None, None] / scene.white_m2[
         None, :, None, :
     ]
     return np.where(scene.used[None, :, :, None], weight, 0.0)

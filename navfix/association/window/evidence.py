@@ -13,7 +13,7 @@ import numpy as np
 
 from navfix.association.em import NOMINAL_LEVEL
 from navfix.association.matchings import log_mean_evidence
-from navfix.association.window.em import expect, likelihood_ratio
+from navfix.association.window.em import density_ratio, expect
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray, IntArray
@@ -58,8 +58,9 @@ def judge(
 def log_likelihood(field: WindowField, knots: Knots, fit: Fit) -> FloatArray:
     """Return ln of the likelihood (k,) of the tracks, clutter's place density taken out."""
     clutter = as_clutter(field, fit.path)
+    density, _ = density_ratio(field, fit, clutter)
     levels = (
-        (likelihood_ratio(field, fit, clutter, level)[0], _log_missed(field, knots, level))
+        (field.odds(fit.mark, level) * density, _log_missed(field, knots, level))
         for level in field.shared.detection_level
     )
     share = np.array(field.shared.clutter_share)

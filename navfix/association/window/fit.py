@@ -8,13 +8,11 @@ too.
 
 from __future__ import annotations
 
-import math
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from navfix.association.em import Field
@@ -25,6 +23,7 @@ from navfix.catalog import AssociationModel, WindowModel
 from navfix.types import FloatArray, IntArray
 
 LOG_2PI = float(np.log(2.0 * np.pi))
+MEAN, LINE, SCATTER = range(3)
 
 
 class WindowField:
@@ -34,9 +33,6 @@ class WindowField:
         self.scene, self.model, self.shared = scene, model, shared
         self.flat = Field(scene.flat, shared)
         self.neighbours = min(model.neighbours, len(scene.paths.marks))
-        scatter = scene.used.copy()
-        scatter[:, :2] = False
-        self.scatter = scatter
         self.has_line = scene.used[:, 1] if scene.knots > 1 else np.zeros(len(scene.bins), dtype=bool)
 
     @cached_property
@@ -51,6 +47,33 @@ class WindowField:
         """A tree of the marks at each knot."""
         z = self.scene.paths.z
         return [cKDTree(np.column_stack([z[:, k].real, z[:, k].imag])) for k in range(self.scene.knots)]
+
+    @cached_property
+    def middle_rho(self) -> ComplexArray:
+        """Every track (m,) at the bin in the middle of its life, in the de-rotated ship's frame [m]."""
+        middle: ComplexArray = self.scene.rho[np.arange(len(self.scene.rho)), self.scene.middle_bin]
+        return middle
+
+    @property
+    def coordinates(self) -> tuple[int, int, int]:
+        """How many coordinates a basis over all bins has of each kind: mean, line, scatter."""
+        return 1, min(self.scene.knots - 1, 1), max(self.scene.knots - 2, 0)
+
+    @cached_property
+    def scatters(self) -> FloatArray:
+        """How many coordinates of each track (m,) are scatter, on both axes together."""
+        return np.asarray(2.0 * self.scene.used[:, SCATTER:].sum(axis=1))
+
+    @cached_property
+    def basis_of_unknowns(self) -> FloatArray:
+        """Basis (m, s, 3 K): by what each bin, and so each of its three unknowns, counts in a coordinate."""
+        return np.repeat(self.scene.basis, 3, axis=2)
+
+    def odds(self, mark: IntArray, level: float) -> FloatArray:
+        """Return the detection odds Pd_j / (1 - Pd_j) (k, m, q) of tracks as the marks (k, m, q)."""
+        flat = self.scene.flat
+        pd = level * self.flat.detection(flat.range_m[None, :, None], flat.conspicuity[mark])
+        return np.asarray(pd / (1.0 - pd))
 
     @cached_property
     def aged_m2(self) -> FloatArray:
@@ -76,9 +99,9 @@ class WindowField:
 class Fit:
     """k motions, m tracks, q neighbours, s basis vectors, 2 axes (radial, tangential at the track's middle).
 
-    ``mark`` (k, m, q); ``misfit`` (k, m, q, s, 2) mark minus track; ``variance_m2`` (k, m, q, s, 2);
-    ``rate`` (k, m, q, s, 2) velocity of the mark: what a second of clock does; ``path`` (k, m, s, 2) minus the track's
-    own way over ground; ``axis`` (k, m) complex, ``lever`` (k, m, K) complex: how a track turns with own heading.
+    ``mark`` (k, m, q); ``misfit`` (k, m, q, s, 2) mark minus track; ``variance_m2`` (k, m, q, 3, 2) of mean, line and
+    scatter; ``rate`` (k, m, q, s, 2) velocity of the mark: what a second of clock does; ``path`` (k, m, s, 2) minus the
+    track's own way over ground; ``axis`` (k, m) complex.
     """
 
     mark: IntArray
@@ -87,77 +110,57 @@ class Fit:
     rate: FloatArray
     path: FloatArray
     axis: ComplexArray
-    lever: ComplexArray
 
 
-def lay_over(field: WindowField, knots: Knots, *, position_only: bool = False) -> Fit:
-    """Place the tracks by k own motions and measure their misfit to the marks nearest at their middle.
-
-    With ``position_only`` nothing but the mean of each track: s = 1.
-    """
+def lay_over(field: WindowField, knots: Knots) -> Fit:
+    """Place the tracks by k own motions and measure their misfit to the marks nearest at their middle."""
     scene = field.scene
-    turned = np.exp(1j * knots.heading_rad)[:, None, :] * scene.rho[None]  # (k, m, K)
-    world = np.where(scene.alive[None], knots.p[:, None, :] + turned, 0.0)
-    mark = _nearest(field, world)
-    middle = np.take_along_axis(
-        turned, np.broadcast_to(scene.middle_bin[None, :, None], (*turned.shape[:2], 1)), axis=2
-    )
-    axis = middle[:, :, 0] / np.maximum(np.abs(middle[:, :, 0]), 1e-9)
+    turn = np.exp(1j * knots.heading_rad)
+    mark, axis = near_middle(field, knots, turn)
     back = np.conj(axis)[:, :, None]
-    clock = knots.clock_s[:, None, None, None]
-    v = scene.paths.v[mark]
-    misfit = (scene.paths.z[mark] + v * clock - world[:, :, None, :]) * back[..., None]
-    misfit = np.where(scene.alive[None, :, None, :], misfit, 0.0)
-    lever = np.where(scene.alive[None], 1j * turned * back, 0.0)
-    if position_only:
-        none = np.zeros((*mark.shape, 0, 2))
-        return Fit(
-            mark, in_basis(scene.basis[:, :1], misfit), _variance(field, mark, 1), none, none[:, :, 0], axis, lever
-        )
-    rate = np.where(scene.alive[None, :, None, :], v * back[..., None], 0.0)
+    rows = scene.basis.reshape(-1, scene.knots).T
+    own = scene.rho[:, None, :] * scene.basis
+    world = (knots.p @ rows + turn @ own.reshape(-1, scene.knots).T).reshape(*axis.shape, -1)  # (k, m, s)
+    z, v = (_in_basis(scene.basis, path, mark) for path in (scene.paths.z, scene.paths.v))
+    misfit = (z + v * knots.clock_s[:, None, None, None] - world[:, :, None]) * back[..., None]
     return Fit(
-        mark,
-        in_basis(scene.basis, misfit),
-        _variance(field, mark, scene.knots),
-        in_basis(scene.basis, rate),
-        in_basis(scene.basis, -world * back),
-        axis,
-        lever,
+        mark, by_axis(misfit), _variance(field, mark), by_axis(v * back[..., None]), by_axis(-world * back), axis
     )
 
 
-def in_basis(basis: FloatArray, values: ComplexArray) -> FloatArray:
-    """Return values over bins (k, m, ..., K) as coordinates (k, m, ..., s, 2) in the tracks' bases."""
-    shape = values.shape
-    flat = np.moveaxis(values, 1, 0).reshape(shape[1], math.prod(shape[:1] + shape[2:-1]), shape[-1])  # (m, k..., K)
-    turned = flat @ np.swapaxes(basis, 1, 2)
-    back = np.moveaxis(turned.reshape(shape[1], shape[0], *shape[2:-1], basis.shape[1]), 0, 1)
-    return np.stack([back.real, back.imag], axis=-1)
-
-
-def _nearest(field: WindowField, world: ComplexArray) -> IntArray:
+def near_middle(field: WindowField, knots: Knots, turn: ComplexArray) -> tuple[IntArray, ComplexArray]:
+    """Return the marks (k, m, q) nearest to every track in the middle of its life, and its axis (k, m) there."""
     scene = field.scene
-    if field.neighbours == 0:
-        return np.empty((*world.shape[:2], 0), dtype=np.int64)
-    found = np.empty((*world.shape[:2], field.neighbours), dtype=np.int64)
-    for knot in np.unique(scene.middle_bin):
+    sight = turn[:, scene.middle_bin] * field.middle_rho
+    at = knots.p[:, scene.middle_bin] + sight
+    mark = np.empty((*at.shape, field.neighbours), dtype=np.int64)
+    for knot in np.unique(scene.middle_bin) if field.neighbours else ():
         rows = np.flatnonzero(scene.middle_bin == knot)
-        at = world[:, rows, knot]
-        _, near = field.trees[knot].query(np.stack([at.real, at.imag], axis=-1), k=field.neighbours)
-        found[:, rows] = near.reshape(len(world), len(rows), field.neighbours)
-    return found
+        _, near = field.trees[knot].query(by_axis(at[:, rows]), k=field.neighbours)
+        mark[:, rows] = near.reshape(len(at), len(rows), field.neighbours)
+    return mark, sight / np.maximum(np.abs(sight), 1e-9)
 
 
-def _variance(field: WindowField, mark: IntArray, rows: int) -> FloatArray:
-    """Return variances (k, m, q, s, 2): mean n s_c^2 + s_w^2, line S_tt s_s^2 + s_w^2, scatter s_w^2."""
-    scene, model = field.scene, field.model
+def by_axis(values: ComplexArray) -> FloatArray:
+    """Return complex values (...) as coordinates (..., 2)."""
+    return np.ascontiguousarray(values).view(np.float64).reshape(*values.shape, 2)
+
+
+def _in_basis(basis: FloatArray, path: ComplexArray, mark: IntArray) -> ComplexArray:
+    """Return the paths (n, K) of the marks (k, m, q) near each track in the track's own basis: (k, m, q, s)."""
+    count, tracks, neighbours = mark.shape
+    of_track = path[mark.swapaxes(0, 1)].reshape(tracks, count * neighbours, path.shape[1])
+    return (of_track @ basis.swapaxes(1, 2)).reshape(tracks, count, neighbours, basis.shape[1]).swapaxes(0, 1)
+
+
+def _variance(field: WindowField, mark: IntArray) -> FloatArray:
+    """Return variances (k, m, q, 3, 2): mean n s_c^2 + s_w^2, line S_tt s_s^2 + s_w^2, scatter s_w^2."""
+    scene = field.scene
     white = scene.white_m2[None, :, None, :] + field.aged_m2[mark][..., None]
-    variance = np.repeat(white[..., None, :], rows, axis=3)
     constant = scene.constant_m2[None, :, None, :] + (scene.paths.constant_m[mark] ** 2)[..., None]
-    variance[..., 0, :] += scene.bins[None, :, None, None] * constant
-    if rows > 1:
-        variance[..., 1, :] += (scene.spread_s2 * model.slope_mps**2)[None, :, None, None]
-    return variance
+    mean = white + scene.bins[None, :, None, None] * constant
+    line = white + (scene.spread_s2 * field.model.slope_mps**2)[None, :, None, None]
+    return np.stack([mean, line, white], axis=3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,44 +179,41 @@ class Clutter:
 def as_clutter(field: WindowField, path: FloatArray) -> Clutter:
     """Return how well every track's own way over ground (k, m, s, 2) fits an echo that is no mark."""
     scene = field.scene
-    log_scatter, weight = _scatter(field, path, np.broadcast_to(scene.white_m2[None, :, None, :], path.shape))
+    log_scatter, weight = _scatter(field, path, scene.white_m2, field.scatters)
     if scene.knots == 1:
         return Clutter(log_scatter, np.zeros((3, *log_scatter.shape)), weight)
-    by_kind = np.log(field.line_share)[:, None, None] + _log_normal(path[None, ..., 1, :], field.line_m2[:, None])
+    by_kind = np.log(field.line_share)[:, None, None] + log_normal(path[None, ..., LINE, :], field.line_m2[:, None])
     log_line = np.where(field.has_line[None], np.logaddexp.reduce(by_kind, axis=0), 0.0)
     kind = np.where(field.has_line[None, None], np.exp(by_kind - log_line[None]), 0.0)
     return Clutter(log_line + log_scatter, kind, weight)
 
 
-def log_fit(
-    field: WindowField, fit: Fit, widening: float = 1.0, position_only: bool = False
-) -> tuple[FloatArray, FloatArray]:
+def log_fit(field: WindowField, fit: Fit, widening: float = 1.0) -> tuple[FloatArray, FloatArray]:
     """Return ln density (k, m, q) of every track on its marks, its mean per m^2, and the weight of its scatter."""
     scene = field.scene
-    variance = fit.variance_m2
-    mean = _log_normal(fit.misfit[..., 0, :], variance[..., 0, :] * widening**2) + np.log(scene.bins)[None, :, None]
-    if position_only or scene.knots == 1:
+    variance = fit.variance_m2[..., :SCATTER, :] * widening**2
+    mean = log_normal(fit.misfit[..., MEAN, :], variance[..., MEAN, :]) + np.log(scene.bins)[None, :, None]
+    if scene.knots == 1:
         return mean, np.zeros_like(mean)
-    line = _log_normal(fit.misfit[..., 1, :], variance[..., 1, :] * widening**2)
-    log_scatter, weight = _scatter(field, fit.misfit, variance)
+    line = log_normal(fit.misfit[..., LINE, :], variance[..., LINE, :])
+    log_scatter, weight = _scatter(field, fit.misfit, fit.variance_m2[..., SCATTER, :], field.scatters[:, None])
     return mean + np.where(field.has_line[None, :, None], line, 0.0) + log_scatter, weight
 
 
-def _scatter(field: WindowField, coordinates: FloatArray, variance: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return ln density of the scatter (a t distribution: tracks swap and turn) and its weight in the adjustment."""
-    used = field.scatter[None, :, None, :, None] if coordinates.ndim == 5 else field.scatter[None, :, :, None]
-    count = 2.0 * used.sum(axis=(-2, -1))
+def _scatter(
+    field: WindowField, coordinates: FloatArray, variance: FloatArray, count: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return ln density of the scatter (a t distribution: tracks swap and turn) and its weight in the adjustment.
+
+    ``coordinates`` (..., s, 2) in a track's basis, ``variance`` (..., 2), ``count`` (...) how many of them are scatter.
+    """
     nu = field.model.scatter_dof
-    square = np.where(used, coordinates**2 / variance, 0.0).sum(axis=(-2, -1))
-    log_det = np.where(used, np.log(variance), 0.0).sum(axis=(-2, -1))
-    log_density = -0.5 * (nu + count) * np.log1p(square / nu) - 0.5 * log_det
-    return log_density, (nu + count) / (nu + square)
+    square = ((coordinates[..., SCATTER:, :] ** 2).sum(axis=-2) / variance).sum(axis=-1)
+    log_det = 0.5 * count * np.log(variance).sum(axis=-1)
+    return -0.5 * (nu + count) * np.log1p(square / nu) - 0.5 * log_det, (nu + count) / (nu + square)
 
 
-def _log_normal(offset: FloatArray, variance: FloatArray) -> FloatArray:
+def log_normal(offset: FloatArray, variance: FloatArray) -> FloatArray:
     """Return ln of the normal density (...) of offsets (..., 2) with variances (..., 2)."""
     log_density: FloatArray = -0.5 * (offset**2 / variance + np.log(variance)).sum(axis=-1) - LOG_2PI
     return log_density
-
-
-Mask = NDArray[np.bool_]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.prior import log_area
-from navfix.association.window import em, evidence, null, scene, votes
+from navfix.association.window import em, evidence, null, rigid, scene, votes
 from navfix.association.window.evidence import Answers
 from navfix.association.window.fit import WindowField
 from navfix.association.window.knots import Knots, MotionPrior, PosePrior, motion_prior, placed, shape_of
@@ -74,7 +74,7 @@ def solve(window: Window, knots: Knots) -> Joint:
         return Joint(window, Answers(knots, np.zeros((0, d, d)), np.zeros(0), np.zeros(0)))
     gain = np.zeros(len(knots))
     for number, widening in enumerate(model.annealing_rigid):
-        knots, gain = em.rigid_step(field, knots, widening)
+        knots, gain = rigid.rigid_step(field, knots, widening)
         if number == 1:
             knots = _finalists(field, knots, gain, 3 * model.finalists)
     knots = _finalists(field, knots, gain[: len(knots)], model.finalists)

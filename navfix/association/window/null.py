@@ -77,7 +77,7 @@ def _step(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, 
     """One step of the EM without marks: moved motions, information of the shape, ln density before the step."""
     fit = _fit_of(field, knots)
     clutter = as_clutter(field, fit.path)
-    information, gradient = normal_equations(field, fit, _all_clutter(clutter), 1.0)
+    information, gradient = normal_equations(field, knots, fit, _all_clutter(clutter))
     information += prior.information[None]
     gradient += prior.given(None).gradient(knots)
     keep = prior.shape_rows()
@@ -95,4 +95,4 @@ def _fit_of(field: WindowField, knots: Knots) -> Fit:
 def _all_clutter(clutter: Clutter) -> Expectation:
     none = np.zeros((*clutter.log_density.shape, 0))
     ones = np.ones_like(clutter.log_density)
-    return Expectation(none, ones, none, clutter, np.zeros(len(ones)))
+    return Expectation(none, ones, none, clutter)

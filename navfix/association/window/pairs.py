@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 
 from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE
 from navfix.association.pairs import association_marginals
-from navfix.association.window.em import likelihood_ratio
+from navfix.association.window.em import density_ratio
 from navfix.association.window.evidence import GATE
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots
@@ -38,7 +39,8 @@ class Pairs:
 def one_to_one(field: WindowField, knots: Knots) -> Pairs:
     """Return the likeliest one-to-one pairs at a single own motion; a track may stay without a mark."""
     fit = lay_over(field, knots)
-    ratio = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)[0][0]
+    density, _ = density_ratio(field, fit, as_clutter(field, fit.path))
+    ratio = (field.odds(fit.mark, NOMINAL_LEVEL) * density)[0]
     square = (fit.misfit[0, ..., 0, :] ** 2 / fit.variance_m2[0, ..., 0, :]).sum(axis=-1)
     dense = np.zeros((len(field.scene.bins), len(field.scene.paths.marks)))
     np.put_along_axis(
@@ -61,12 +63,8 @@ def _mean_misfit(field: WindowField, fit: Fit, track: IntArray, mark: IntArray) 
 def log_ratios(field: WindowField, knots: Knots) -> tuple[IntArray, FloatArray]:
     """Return the marks near every track (k, m, q) and ln of N_ij / (lambda_i V_i) (k, m, q), at least -5."""
     fit = lay_over(field, knots)
-    ratio, _ = likelihood_ratio(field, fit, as_clutter(field, fit.path), NOMINAL_LEVEL)
-    pd = NOMINAL_LEVEL * field.flat.detection(
-        field.scene.flat.range_m[None, :, None], field.scene.flat.conspicuity[fit.mark]
-    )
-    log_ratio: FloatArray = np.log(np.maximum(ratio * (1.0 - pd) / pd, np.exp(LEAST_LOG_RATIO)))
-    return fit.mark, log_ratio
+    density, _ = density_ratio(field, fit, as_clutter(field, fit.path))
+    return fit.mark, np.log(np.maximum(density, math.exp(LEAST_LOG_RATIO)))
 
 
 def labels_by_epoch(window: Window, index: IntArray, epochs: Sequence[Epoch]) -> list[dict[str, str]]:
