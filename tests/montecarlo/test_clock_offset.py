@@ -114,3 +114,13 @@ def test_the_share_of_fixes_with_a_clock_offset_is_that_without(model: str) -> N
     for offset_s in (7.0, -7.0):  # about one log in ten changes sides by chance: two sigma of that difference
         assert found[offset_s].fixes >= found[0.0].fixes - 0.08 * len(seeds)
     assert sum(result.wrong for result in found.values()) == 0
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("offset_s", [0.0, 7.0])
+def test_the_ellipse_holds_with_and_without_a_clock_offset(offset_s: float) -> None:
+    seeds = range(1000, 1250)
+    found = outcome("solid_state", offset_s, seeds)
+    report("solid_state", offset_s, seeds, found)
+    assert found.wrong == 0
+    assert found.inside >= 0.92 * found.fixes  # two sigma below 95 % of two hundred
