@@ -17,6 +17,8 @@ class WindowModel:
     bin_s: float
     gap_s: float
     jump_m: float
+    number_mps: float
+    number_m: float
     fewest_reports: int
     acceleration_mps2: float
     heading_walk_deg: float

@@ -6,7 +6,9 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from navfix.association.window.tracks import Report, common_yaw, epoch_time
+from navfix.association.window.tracks import epoch_time
+from navfix.association.window.yaw import Report, turn_between
+from navfix.catalog import WindowModel, window_model
 from navfix.types import Epoch
 
 _KEPT_S = 900.0
@@ -18,16 +20,17 @@ class YawLog:
     A place knows its heading at its own instant; carried to another one it lies turned by what was seen in between.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, model: WindowModel | str = "joint") -> None:
+        self._model = window_model(model)
         self._time_s: deque[float] = deque()
         self._turned_deg: deque[float] = deque()
         self._scan: dict[str, Report] = {}
 
     def feed(self, epoch: Epoch) -> None:
-        """Take the next epoch in: the range-weighted median of the change of its relative bearings, eq. (6.17)."""
+        """Take the next epoch in: what its relative bearings changed by together, eq. (6.17)."""
         now_s = epoch_time(epoch)
         scan: dict[str, Report] = {t.label: (now_s, t) for t in epoch.targets if t.bearing_reference == "relative"}
-        turned_deg = math.degrees(float(common_yaw([self._scan, scan])[1]))
+        turned_deg = math.degrees(turn_between(self._scan, scan, self._model))
         self._scan = scan or self._scan
         self._time_s.append(now_s)
         self._turned_deg.append((self._turned_deg[-1] if self._turned_deg else 0.0) + turned_deg)

@@ -15,7 +15,8 @@ import navfix
 from navfix.association.window import joint
 from navfix.association.window.knots import Knots, motion_prior, placed, shape_of
 from navfix.association.window.marks import paths_of
-from navfix.association.window.tracks import common_yaw, tracks_of
+from navfix.association.window.tracks import tracks_of
+from navfix.association.window.yaw import common_yaw
 from navfix.catalog import window_model
 from navfix.errors import InputError, NoFix, TooFewPairs
 from navfix.geodesy import LocalPlane, inverse
@@ -58,6 +59,26 @@ def test_own_yaw_is_what_all_bearings_change_by_together():
         targets["01"] += 15.0 * k  # one target passes close by
         scans.append({label: (2.5 * k, RadarTarget(label, 3000.0, b)) for label, b in targets.items()})
     assert np.degrees(common_yaw(scans)) == pytest.approx(turned_deg, abs=1e-9)
+
+
+@pytest.mark.parametrize("kept", [0, 4])
+def test_own_yaw_is_seen_through_a_restart_of_the_tracker(kept: int) -> None:
+    rng = np.random.default_rng(5)
+    ranges_m, bearings_deg = rng.uniform(800.0, 15e3, 12), rng.uniform(0.0, 360.0, 12)
+    renumbered = [*range(kept), *np.roll(np.arange(kept, 12), 3)]
+    scans = [
+        {f"{n}": (2.5 * k, RadarTarget(f"{n}", ranges_m[i], bearings_deg[i] - 7.0 * k)) for i, n in enumerate(numbers)}
+        for k, numbers in enumerate((range(12), renumbered))
+    ]
+    assert np.degrees(common_yaw(scans)) == pytest.approx([0.0, 7.0], abs=1e-9)
+
+
+def test_two_pictures_that_do_not_fit_tell_no_yaw() -> None:
+    scans = [
+        {f"{n}": (2.5 * k, RadarTarget(f"{n}", 1000.0 * (n + 1 + 20 * k), 37.0 * n + 90.0 * k)) for n in range(8)}
+        for k in range(2)
+    ]
+    assert common_yaw(scans).tolist() == [0.0, 0.0]
 
 
 def test_a_number_that_is_used_again_begins_a_new_track():

@@ -14,7 +14,8 @@ import numpy as np
 
 from navfix.association.scene import ComplexArray, Scene, conspicuity, middle
 from navfix.association.window.marks import MarkPaths, paths_of
-from navfix.association.window.tracks import Track, Yaw, epoch_time, tracks_of
+from navfix.association.window.tracks import Track, epoch_time, tracks_of
+from navfix.association.window.yaw import Yaw
 from navfix.catalog import AssociationModel, WindowModel
 from navfix.errors import TooFewPairs
 from navfix.types import Epoch, FloatArray, IntArray, Position

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.scene import ComplexArray
+from navfix.association.window.yaw import Report, Yaw, common_yaw
 from navfix.catalog import WindowModel
 from navfix.types import Epoch, FloatArray, RadarTarget
-from navfix.units import wrap_pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,21 +32,6 @@ class Track:
     newest: int
 
 
-@dataclass(frozen=True, eq=False)
-class Yaw:
-    """Own ship's turning since the first scan, by scan: times [POSIX s] (s,) and angles [rad] (s,)."""
-
-    time_s: FloatArray
-    turn_rad: FloatArray
-
-    def at(self, time_s: float) -> float:
-        """Return the angle [rad] that own ship has turned by since the first scan."""
-        return float(np.interp(time_s, self.time_s, self.turn_rad))
-
-
-Report = tuple[float, RadarTarget]
-
-
 def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tuple[list[Track], Yaw]:
     """Return the tracks of a window, longest first, and own ship's yaw that was taken out of them.
 
@@ -56,7 +41,7 @@ def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tu
     """
     scans = [_scan(epoch, reference) for epoch in epochs]
     times_s = np.array([epoch_time(epoch) for epoch in epochs])
-    turns = common_yaw(scans) if reference == "relative" else np.zeros(len(scans))
+    turns = common_yaw(scans, model) if reference == "relative" else np.zeros(len(scans))
     yaw = Yaw(times_s, turns)
     newest = {t.label: i for i, t in enumerate(epochs[-1].targets) if t.bearing_reference == reference}
     fewest = min(model.fewest_reports, len(scans))
@@ -76,22 +61,6 @@ def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tu
 def epoch_time(epoch: Epoch) -> float:
     """Return the instant of an epoch [POSIX s]; a window cannot be made of epochs without a time."""
     return 0.0 if epoch.time_utc is None else epoch.time_utc.timestamp()
-
-
-def common_yaw(scans: Sequence[dict[str, Report]]) -> FloatArray:
-    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.17) of the theory.
-
-    The range-weighted median of the bearing changes of the targets that two successive scans share: a far target's
-    bearing changes by own yaw alone.
-    """
-    turned = np.zeros(len(scans))
-    for k in range(1, len(scans)):
-        before, now = scans[k - 1], scans[k]
-        shared = [label for label in now if label in before]
-        change = np.radians([before[s][1].bearing_deg - now[s][1].bearing_deg for s in shared])
-        weight = np.array([now[s][1].range_m for s in shared])
-        turned[k] = turned[k - 1] + _weighted_median(wrap_pi(change), weight)
-    return turned
 
 
 def _scan(epoch: Epoch, reference: str) -> dict[str, Report]:
@@ -132,12 +101,3 @@ def _track(label: str, piece: list[tuple[float, RadarTarget, complex]], newest: 
         None if last.bearing_sigma_deg is None else float(np.radians(last.bearing_sigma_deg)),
         newest,
     )
-
-
-def _weighted_median(value: FloatArray, weight: FloatArray) -> float:
-    """Return the weighted median, 0 of nothing."""
-    if len(value) == 0:
-        return 0.0
-    order = np.argsort(value)
-    total = np.cumsum(weight[order])
-    return float(value[order][np.searchsorted(total, 0.5 * total[-1])])
