@@ -88,9 +88,13 @@ def epochs(
     charted: Iterable[Mark] = (),
     at: datetime | None = None,
     last: bool = False,
+    silent_s: float | None = None,
 ) -> Iterator[Epoch]:
-    """Yield an epoch for each complete radar scan of a log: every one, the ``last``, or the newest ``at`` a time."""
-    return _epochs(log.records, radar=radar, charted=charted, at=at, last=last)
+    """Yield an epoch for each complete radar scan of a log: every one, the ``last``, or the newest ``at`` a time.
+
+    With ``silent_s`` epochs without targets too, so often while radar is silent: own ship goes on meanwhile.
+    """
+    return _epochs(log.records, radar=radar, charted=charted, at=at, last=last, silent_s=silent_s)
 
 
 def answer(

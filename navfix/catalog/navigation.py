@@ -17,6 +17,8 @@ class NavigatorModel:
     kept_s: float
     window_s: float
     shortest_window_s: float
+    unseen_s: float
+    drift_m: float
     cold_every_s: float
     bank_every_s: float
     birth_windows_s: list[float]

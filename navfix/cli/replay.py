@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 SUFFIXES = (".json",)
 VERACITY_SUFFIXES = (".txt", ".json")
+SILENT_S = 5.0  # own ship goes on while radar is silent: a line so often
 
 
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -83,7 +84,7 @@ def run(args: argparse.Namespace) -> int:
                 veracity.feed(answer.fix)
         off.feed(answer.truth)
         errors = answer.radar_errors or errors
-        scans += 1
+        scans += answer.epoch is None or bool(answer.epoch.targets)
         line = render(answer, ".json").strip()
         print(line, flush=True)
         if args.out:
@@ -108,7 +109,8 @@ def _answers(log: Log, args: argparse.Namespace, track: TruthTrack | None, chart
     from navfix.sequence.dead_reckoning import DeadReckoner
 
     monitor, reckoner = GnssMonitor(), DeadReckoner()
-    epochs = pipeline.epochs(log, radar=options.radar(args), charted=charted)
+    silent_s = None if args.independent else SILENT_S
+    epochs = pipeline.epochs(log, radar=options.radar(args), charted=charted, silent_s=silent_s)
     solved = _solved(epochs, args, track, every=1 if args.smooth else args.every)
     forward = (reckoned(answer, reckoner) for answer in solved)
     if not args.smooth:

@@ -24,6 +24,7 @@ from navfix.picture.charted import ChartedMarks
 from navfix.picture.choice import choose
 from navfix.picture.motion import DEFAULT
 from navfix.picture.scans import Scan, ScanBuilder
+from navfix.picture.silence import Silence
 from navfix.picture.traffic import Traffic
 from navfix.picture.turn import TurnMotion
 from navfix.types import ChartCheck, Epoch, GnssReport, HeadingHint, Mark, Position, RadarTarget, SpeedHint
@@ -80,6 +81,10 @@ class Picture:
                 pass
         return None
 
+    def cut_off(self) -> Scan | None:
+        """Return the scan under way where radar has fallen silent, as far as it came."""
+        return self._noted(self._scans.cut_off())
+
     def flush(self) -> Scan | None:
         """Return the last scan where it is complete: for the end of a log."""
         return self._noted(self._scans.flush())
@@ -106,7 +111,7 @@ class Picture:
         marks, left_out = self._traffic.marks(scan.time_s)
         if not self._charted.marks:
             return marks, left_out, None
-        reach_m = max(report.range_m for report in scan.reports)
+        reach_m = max((report.range_m for report in scan.reports), default=0.0)
         joined = self._charted.join(marks, self._traffic.aids(scan.time_s), left_out, reach_m)
         return joined.marks, joined.left_out, joined.check
 
@@ -160,6 +165,7 @@ def epochs(
     last: bool = False,
     every: int = 1,
     motion: str = DEFAULT,
+    silent_s: float | None = None,
 ) -> Iterator[Epoch]:
     """Yield an epoch for each complete radar scan of a log.
 
@@ -172,6 +178,7 @@ def epochs(
     last : only the newest scan of all
     every : only every n-th scan
     motion : the model that carries moving ships
+    silent_s : an epoch without targets so often while radar is silent (default: none)
     """
     if last:
         records = tuple(records)
@@ -180,7 +187,7 @@ def epochs(
             return
     picture = Picture(radar=radar, charted=charted, motion=motion)
     newest: Epoch | None = None
-    for count, scan in enumerate(scans(picture, records)):
+    for count, scan in enumerate(scans(picture, records, silent_s=silent_s)):
         if at is None:
             if count % every == 0:
                 yield picture.epoch(scan)
@@ -218,14 +225,17 @@ def _last_scan_time(records: Iterable[Record]) -> datetime | None:
     return None if scan is None else datetime.fromtimestamp(scan.time_s, UTC)
 
 
-def scans(picture: Picture, records: Iterable[Record]) -> Iterator[Scan]:
-    """Feed records to a picture and yield each radar scan as it is complete."""
+def scans(picture: Picture, records: Iterable[Record], *, silent_s: float | None = None) -> Iterator[Scan]:
+    """Feed records to a picture and yield each radar scan as it is complete, empty ones while radar is silent."""
+    silence = None if silent_s is None else Silence(silent_s)
     for record in records:
+        if silence is not None and silence.falls(record):
+            yield from silence.scans(picture.cut_off(), record)
         scan = picture.feed(record)
-        if scan is not None:
+        if scan is not None and (silence is None or silence.takes(scan)):
             yield scan
     final = picture.flush()
-    if final is not None:
+    if final is not None and (silence is None or silence.takes(final)):
         yield final
 
 

@@ -51,6 +51,10 @@ class ScanBuilder:
         self._current[key] = (time_s, report)
         return closed
 
+    def cut_off(self) -> Scan | None:
+        """Return the scan under way, complete or not: radar has fallen silent."""
+        return self._close() if self._current else None
+
     def flush(self) -> Scan | None:
         """Return the scan under way when it is complete: it holds what the scan before it held."""
         complete = set(self._previous) - self._lost_before() <= set(self._current)

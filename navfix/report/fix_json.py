@@ -291,7 +291,7 @@ def plain_mean_to_dict(mean: MeanFix | None, fix: Fix | None) -> dict[str, Any] 
 
 
 def dead_reckoning_to_dict(reckoned: DeadReckoning | None) -> dict[str, Any] | None:
-    """Return position, heading, 95 % ellipse, source and age of the dead reckoning, None without an earlier fix."""
+    """Return position, heading, 95 % ellipse, source, age and doubt of the dead reckoning; None before a fix."""
     if reckoned is None:
         return None
     return {
@@ -303,6 +303,8 @@ def dead_reckoning_to_dict(reckoned: DeadReckoning | None) -> dict[str, Any] | N
         "since_utc": iso_utc(reckoned.since_utc),
         "age_s": plain(reckoned.age_s),
         "source": reckoned.source,
+        "probability_wrong": plain(reckoned.probability_wrong),
+        "doubt": reckoned.doubt or None,
     }
 
 

@@ -45,6 +45,10 @@ def three_positions(answer: Answer, fix: Fix | None) -> Iterator[str]:
         f"{reckoned.age_s:.0f} s after the last fix, by {_RECKONED_BY[reckoned.source]}; ellipse 95 % "
         f"{in_metres(ellipse.semi_major_m)} x {in_metres(ellipse.semi_minor_m)}",
     )
+    if reckoned.probability_wrong is not None:
+        yield from entry("", f"{words.odds(reckoned.probability_wrong)} that the last fix was another place")
+    if reckoned.doubt:
+        yield from entry("", f"DOUBTFUL: {reckoned.doubt}")
     observed = None if fix is None or fix.association is None else fix.association.position
     if observed is not None and fix is not None and isinstance(fix.position, Position):
         distance_m, azimuth_deg = inverse(fix.position, observed)

@@ -8,12 +8,14 @@ from navfix.report import words
 from navfix.report.entries import entry
 from navfix.types import TrackState
 
+_WORDS = {"dead_reckoning": "DEAD RECKONING ONLY"}
+
 
 def track_lines(track: TrackState | None) -> Iterator[str]:
     """Yield how the held place stands; nothing where scans are solved alone or no place is held."""
     if track is None or track.since_s is None:
         return
-    parts = [f"{track.status}, held for {track.since_s:.0f} s"]
+    parts = [f"{_WORDS.get(track.status, track.status)}, held for {track.since_s:.0f} s"]
     if track.confirmed_age_s is not None:
         parts.append(f"found {track.confirmed_age_s:.0f} s ago by a solve that does not know it")
     if track.ahead is not None:

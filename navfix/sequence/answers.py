@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from navfix.catalog import RadarModel
-from navfix.errors import Ambiguous, NoAgreement, NoFix
+from navfix.errors import Ambiguous, NoAgreement, NoFix, TooFewPairs
 from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
 from navfix.kernels import Kernel
 from navfix.pipeline import beside, watched
@@ -25,21 +25,30 @@ def navigated(navigator: Navigator, epoch: Epoch) -> Answer:
     timing_ms = {"epoch": epoch.build_ms or 0.0, "navigate": round(1e3 * (time.perf_counter() - began_s), 3)}
     if outcome.fix is not None:
         answer = beside(outcome.fix, outcome.association, epoch, timing_ms=timing_ms)
-        return replace(answer, track=outcome.track)
+        return replace(answer, track=outcome.track, dead_reckoning=outcome.dead_reckoning)
     error: NoFix
-    if outcome.track.status == "conflict":
+    if outcome.track.status == "dead_reckoning":
+        error = TooFewPairs(outcome.reason, observations=0, unknowns=3)
+    elif outcome.track.status == "conflict":
         error = Ambiguous(outcome.reason, alternatives=navigator.alternatives())
     else:
         error = NoAgreement(outcome.reason, evidence=outcome.track.score or 0.0, alternatives=navigator.alternatives())
-    return Answer(epoch=epoch, error=error, timing_ms=timing_ms, track=outcome.track)
+    return Answer(
+        epoch=epoch,
+        error=error,
+        timing_ms=timing_ms,
+        track=outcome.track,
+        dead_reckoning=outcome.dead_reckoning,
+    )
 
 
 def reckoned(answer: Answer, reckoner: DeadReckoner) -> Answer:
     """Return the answer with the dead reckoning of its instant beside it, made before its fix counts.
 
-    Feed the answers in their order: the fix of this one is what the next is reckoned from.
+    Feed the answers in their order: the fix of this one is what the next is reckoned from. The navigator's answers
+    bring their own, which knows what it doubts.
     """
-    if answer.epoch is None:
+    if answer.epoch is None or answer.track is not None:
         return answer
     return replace(answer, dead_reckoning=reckoner.feed(answer.epoch, answer.fix))
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from navfix.catalog import OwnMotionModel, own_motion_model
-from navfix.sequence.reckoned import Reckoned, begun
+from navfix.sequence.reckoned import Reckoned, begun, over_ground
 from navfix.sequence.reckoned_fixes import updated
 from navfix.sequence.reckoned_motion import carried, log_found
 from navfix.types import DeadReckoning, Epoch, Fix, Position, ReckoningSource
@@ -51,6 +51,19 @@ class DeadReckoner:
             self._track = None
         return reckoned
 
+    @property
+    def velocity_mps(self) -> complex | None:
+        """Velocity over ground (north, east) [m/s], None without a fix that carries it."""
+        return None if self._track is None else over_ground(self._track)
+
+    def forget(self) -> None:
+        """Forget every fix: they are in doubt, and nothing is reckoned before the next one."""
+        self._track, self._doubted = None, False
+
+    def expect_another(self) -> None:
+        """Let the next fix begin a new track at once where it contradicts: it comes from another place than before."""
+        self._doubted = True
+
     def take(self, epoch: Epoch, fix: Fix) -> None:
         """Take the fix of an epoch that was carried to.
 
@@ -84,4 +97,5 @@ class DeadReckoner:
             source=source,
             heading_sigma_deg=None if track.heading_deg is None else math.sqrt(track.heading_var),
             age_s=age_s,
+            probability_wrong=track.probability_wrong,
         )

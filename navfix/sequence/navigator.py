@@ -21,6 +21,7 @@ from navfix.errors import InputError, TooFewPairs
 from navfix.sequence.acceptance import Blind, blind_of
 from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
+from navfix.sequence.between_fixes import BetweenFixes
 from navfix.sequence.doubt import NOT_CHECKED
 from navfix.sequence.outcome import Outcome
 from navfix.sequence.own_sensors import OwnSensors
@@ -45,6 +46,8 @@ class Navigator:
         self._last_cold_s = self._last_bank_s = -np.inf
         self._plain: Blind | None = None
         self._sensors = OwnSensors(self.bank.yaw)
+        self._between = BetweenFixes()
+        self._seen_s = -np.inf
 
     @property
     def bank(self) -> Bank:
@@ -86,6 +89,11 @@ class Navigator:
         self._epochs.append(epoch)
         self.bank.yaw.feed(epoch)
         self._sensors.feed(epoch)
+        self._between.carry(self._sensors.believed(epoch))
+        if self._track is not None and now_s - self._seen_s > self._model.unseen_s:
+            self._track.drift_to(self._between.drifted(self._track.place_at(now_s)), now_s)
+        if epoch.targets and epoch.marks:
+            self._seen_s = now_s
         while now_s - epoch_time(self._epochs[0]) > self._model.kept_s:
             self._epochs.popleft()
 
@@ -94,8 +102,10 @@ class Navigator:
         if not self._epochs or (at is not None and self._epochs[-1].time_utc > at):  # type: ignore[operator]
             return Outcome("cold", None, self._belief.reason, TrackState("cold"))
         now_s = epoch_time(self._epochs[-1])
-        blind = self._solve_blind(now_s)
-        self._update_bank(now_s, blind)
+        seen = now_s - self._seen_s <= self._model.unseen_s
+        blind = self._solve_blind(now_s) if seen else None
+        if seen:
+            self._update_bank(now_s, blind)
         self._track = self._belief.decide(
             self._track,
             now_s,
@@ -103,12 +113,17 @@ class Navigator:
             fed=self._last_bank_s == now_s,
             plain=self._plain if self._plain is not None and self._plain.end_s == now_s else None,
         )
+        conflict = self._track is None and self._belief.reason.startswith("conflict")
+        reckoned = self._between.answer(self._track, conflict=conflict, seen=seen)
         if self._track is None:
-            reason = self._belief.reason
-            status: TrackStatus = "conflict" if reason.startswith("conflict") else "cold"
-            return Outcome(status, None, reason, TrackState(status, score=self._belief.best_score))
-        held = self._hold(now_s, blind)
-        return self._outcome(now_s, held)
+            status: TrackStatus = "conflict" if conflict else "cold"
+            state = TrackState(status, score=self._belief.best_score)
+            return Outcome(status, None, self._belief.reason, state, dead_reckoning=reckoned)
+        held = self._hold(now_s, blind) if seen else None
+        outcome = replace(self._outcome(now_s, held), dead_reckoning=reckoned)
+        if outcome.fix is not None and held is not None and not held.carried:
+            self._between.take(self._epochs[-1], outcome.fix)
+        return outcome
 
     # ------------------------------------------------------------------------------------------------ blind solves
 
@@ -182,11 +197,13 @@ class Navigator:
                 track.proven = True
                 track.standing.confirm(now_s)
                 return track.take_blind(blind, self._epochs[-1], now_s)
+        if track.adrift:
+            return None
         begin = track.prior_for(now_s - self._model.window_s)
         length_s = min(self._model.window_s, now_s - begin.time_s)
         if length_s < self._model.shortest_window_s:
             if track.last is None:
-                return self._first_fix(now_s)
+                return self._first_fix(now_s) if track.fresh else None
             return track.carry(self._epochs[-1], now_s, self._sensors)
         window = self._prepare(now_s, length_s)
         return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
@@ -205,9 +222,12 @@ class Navigator:
         assert track is not None
         silent = track.standing.why_silent(now_s) if track.proven else ""
         hypothesis = self.bank.near(track.place_at(now_s))
+        given_out = track.proven and not track.lapsed and not silent
+        fix = held.fix if held is not None and given_out and not track.given_up else None
+        shown: TrackStatus = "dead_reckoning" if fix is None else "tracking"
         state = TrackState(
-            "tracking" if track.proven and not track.lapsed and not silent else "lapsed",
-            None if silent else track.probability_wrong,
+            shown if given_out else "lapsed",
+            None if fix is None else track.probability_wrong,
             None if held is None else held.evidence,
             None if hypothesis is None else hypothesis.score,
             None if hypothesis is None else min(self.bank.rival_ahead(hypothesis), 1000.0),
@@ -217,12 +237,19 @@ class Navigator:
             now_s - track.standing.confirmed_s if track.proven else None,
             NOT_CHECKED,
         )
-        if silent or track.given_up or track.lapsed or not track.proven or held is None or held.fix is None:
+        if fix is None or held is None:
             unproven = "" if track.proven else "the place that was given is not confirmed yet by any solve without it"
             reason = track.given_up or track.why_lapsed or silent or unproven
-            return Outcome(state.status, None, reason or "the window holds too little for a fix", state)
+            return Outcome(state.status, None, reason or self._why_reckoned(track, now_s), state)
         track.standing.stated = state.probability_wrong
-        return Outcome("tracking", _doubted(held.fix, state), "", state, held.association)
+        return Outcome("tracking", _doubted(fix, state), "", state, held.association)
+
+    def _why_reckoned(self, track: Track, now_s: float) -> str:
+        if now_s - self._seen_s > self._model.unseen_s:
+            return f"no echo and mark together for {now_s - self._seen_s:.0f} s: only dead reckoning goes on"
+        if track.adrift:
+            return "own ship went unseen for too long to be looked for near dead reckoning: a blind solve must find her"
+        return "the window holds too little for a fix"
 
 
 def _doubted(fix: Fix, state: TrackState) -> Fix:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from navfix.units import wrap_180
 
 _KEPT_S = 300.0
 _CONTRADICTS_DEG = 20.0  # more than the bearings of near targets change by themselves in a quarter of a minute
+_JUDGED_S = 20.0
 _SAME_S = 0.05  # an epoch is that of a place within this
 
 
@@ -29,6 +31,7 @@ class OwnSensors:
     def __init__(self, yaw: YawLog) -> None:
         self._yaw = yaw
         self._heard: deque[tuple[float, float, float]] = deque()
+        self._refuted_until_s = -np.inf
 
     def feed(self, epoch: Epoch) -> None:
         """Take the next epoch in."""
@@ -37,6 +40,22 @@ class OwnSensors:
         self._heard.append((epoch_time(epoch), gyro_deg, np.nan if log is None else log.speed_mps))
         while self._heard[-1][0] - self._heard[0][0] > _KEPT_S:
             self._heard.popleft()
+
+    def believed(self, epoch: Epoch) -> Epoch:
+        """Return the newest epoch as far as it is believed: without a gyro that has turned otherwise than the bearings.
+
+        A refuted gyro is not heard for as long as its heading is remembered.
+        """
+        now_s = self._heard[-1][0]
+        rows = [row for row in self._heard if now_s - row[0] <= _JUDGED_S]
+        if self._refuted(float(wrap_180(rows[-1][1] - rows[0][1])), rows[0][0], now_s):
+            self._refuted_until_s = now_s + _KEPT_S
+        return replace(epoch, heading_hint=None) if now_s < self._refuted_until_s else epoch
+
+    def _refuted(self, turned_deg: float, from_s: float, to_s: float) -> bool:
+        """Tell whether the bearings show another turn than the gyro; not where they show none, nor of NaN."""
+        off_deg = abs(float(wrap_180(turned_deg - self._yaw.between_deg(from_s, to_s))))
+        return off_deg > _CONTRADICTS_DEG and self._yaw.watched(from_s, to_s)
 
     def since(self, place: Place, to_s: float) -> Sailed | None:
         """Return the way from a place to a later instant, None where the gyro was not heard all the time or is wrong.
@@ -52,7 +71,7 @@ class OwnSensors:
             return None
         steps_deg = wrap_180(np.diff(gyro_deg))
         turned_deg = float(wrap_180(gyro_deg[-1] - gyro_deg[0]))
-        if abs(wrap_180(turned_deg - self._yaw.between_deg(place.time_s, to_s))) > _CONTRADICTS_DEG:
+        if self._refuted(turned_deg, place.time_s, to_s):
             return None
         by_log = not np.isnan(log_mps).any()
         ahead = np.exp(1j * np.radians(place.heading_deg))

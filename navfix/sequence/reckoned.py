@@ -34,6 +34,7 @@ class Reckoned:
     log_sigma_mps: float
     since: datetime
     gyro_lost: bool = False
+    probability_wrong: float | None = None
 
 
 def begun(epoch: Epoch, at: datetime, fix: Fix, motion: OwnMotionModel) -> Reckoned:
@@ -59,7 +60,21 @@ def begun(epoch: Epoch, at: datetime, fix: Fix, motion: OwnMotionModel) -> Recko
         log_mps=None if log is None else log.speed_mps,
         log_sigma_mps=0.0 if log is None else log.sigma_mps,
         since=at,
+        probability_wrong=stated_of(fix),
     )
+
+
+def over_ground(track: Reckoned) -> complex:
+    """Return the velocity over ground (north, east) [m/s, complex]: of the state, with the log where it has one."""
+    velocity = complex(track.state[2], track.state[3])
+    if track.by_log and track.log_mps is not None and track.heading_deg is not None:
+        velocity += track.log_mps * complex(np.exp(1j * math.radians(track.heading_deg)))
+    return velocity
+
+
+def stated_of(fix: Fix) -> float | None:
+    """Return the probability of being wrong that a fix states, None where it states none."""
+    return None if fix.association is None else fix.association.probability_wrong
 
 
 def heading_of(epoch: Epoch, fix: Fix) -> tuple[float | None, float]:

@@ -8,7 +8,7 @@ from datetime import datetime
 import numpy as np
 
 from navfix.catalog import OwnMotionModel
-from navfix.sequence.reckoned import Reckoned, centred, heading_of
+from navfix.sequence.reckoned import Reckoned, centred, heading_of, stated_of
 from navfix.types import Epoch, Fix, Position
 
 _CONTRADICTS = 30.0  # squared innovation in units of its covariance: not the same track, or a wrong fix
@@ -42,5 +42,6 @@ def updated(track: Reckoned, epoch: Epoch, fix: Fix, at: datetime, motion: OwnMo
         heading_var=heading_var if known else track.heading_var,
         since=at,
         gyro_lost=False,
+        probability_wrong=stated_of(fix),
     )
     return centred(moved)

@@ -12,6 +12,7 @@ import numpy as np
 from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
 from navfix.association.window.joint import Joint, Window
+from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
 from navfix.refinement import refined
@@ -25,13 +26,17 @@ from navfix.types import Association, Epoch, Fix
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """One step of the track: its fix (None where too little was matched) and where it came from."""
+    """One step of the track: its fix (None where too little was matched) and where it came from.
+
+    A fix that was only ``carried`` forward from the one before rests on no new scan.
+    """
 
     place: Place
     fix: Fix | None
     association: Association | None
     evidence: float
     source: Literal["blind", "prior"]
+    carried: bool = False
 
 
 class Track:
@@ -58,6 +63,8 @@ class Track:
         self.given_up = ""
         self.why_lapsed = ""
         self.last: Held | None = None
+        self.adrift = False
+        self.fresh = True
 
     @property
     def probability_wrong(self) -> float | None:
@@ -68,6 +75,16 @@ class Track:
     def place_at(self, time_s: float) -> Place:
         """Return the newest place, carried to an instant."""
         return self._history[-1].carried(time_s, self._model)
+
+    def drift_to(self, reckoned: Place | None, now_s: float) -> None:
+        """Go on without echoes, by dead reckoning where there is any: a place before the gap is no prior by itself.
+
+        Where own ship may be too far from there, only a blind solve takes the place up again: near a wrong prior some
+        few pairs always fit.
+        """
+        self._history = deque([self.place_at(now_s) if reckoned is None else reckoned])
+        self.last = None
+        self.adrift = reckoned is None or reckoned.sigma_m > self._model.drift_m
 
     def lose_at(self, now_s: float) -> None:
         """Give up a place that went unseen for so long that it may be anywhere: any echo would fit some ship."""
@@ -111,7 +128,11 @@ class Track:
         place = _place(window, pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
-        return self._take(Held(place, refined(window.epochs, answer), answer.association, given_place, "blind"), now_s)
+        fix = refined(window.epochs, answer) if self._matched_now(answer, window, now_s) else None
+        if self.adrift:
+            self.adrift = False
+            self._history.clear()
+        return self._take(Held(place, fix, answer.association, given_place, "blind"), now_s)
 
     def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
         """Solve a window with a prior from before it, and take what its graph says, the prior one of its factors."""
@@ -124,7 +145,7 @@ class Track:
         answer = associate.window_answer(found, pose)
         # Nothing but this place was looked at: there is no margin, and of being wrong only what is known of the track.
         association = replace(answer.association, margin=None, probability_wrong=self.probability_wrong)
-        enough = int(answers.marks[0]) >= self._model.fewest_marks
+        enough = int(answers.marks[0]) >= self._model.fewest_marks and self._matched_now(answer, window, now_s)
         fix = None
         if enough:
             answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
@@ -157,13 +178,18 @@ class Track:
             epoch=epoch,
             notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s{f' by {sailed.by}' if sailed else ''}.",),
         )
-        return Held(place, with_window_integrity(fix), None, last.evidence, "prior")
+        return Held(place, with_window_integrity(fix), None, last.evidence, "prior", carried=True)
+
+    def _matched_now(self, answer: associate.WindowAnswer, window: Window, now_s: float) -> bool:
+        """Tell whether an echo that matches a mark is new enough: a fix by older ones would be dead reckoning."""
+        times = [epoch_time(epoch) for epoch, pairs in zip(window.epochs, answer.labels, strict=True) if pairs]
+        return max(times, default=-math.inf) > now_s - self._model.unseen_s
 
     def _take(self, held: Held, now_s: float) -> Held:
         if held.fix is not None:
             level_m = self.protection.level_m(held.place)
             held = replace(held, fix=with_window_integrity(held.fix, level_m))
-        self.last = held
+        self.last, self.fresh = held, False
         self._history.append(held.place)
         while len(self._history) > 1 and now_s - self._history[1].time_s > self._model.window_s + 5.0:
             self._history.popleft()

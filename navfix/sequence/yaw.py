@@ -12,12 +12,14 @@ from navfix.catalog import WindowModel, window_model
 from navfix.types import Epoch
 
 _KEPT_S = 900.0
+_BRIDGED_S = 15.0  # over a longer time without a scan the bearings change by the way too, not by the turn alone
 
 
 class YawLog:
     """Own ship's turning since it began to be watched, for some minutes back; true bearings hold no yaw.
 
     A place knows its heading at its own instant; carried to another one it lies turned by what was seen in between.
+    Nothing is known of a turn in a time without scans.
     """
 
     def __init__(self, model: WindowModel | str = "joint") -> None:
@@ -25,18 +27,31 @@ class YawLog:
         self._time_s: deque[float] = deque()
         self._turned_deg: deque[float] = deque()
         self._scan: dict[str, Report] = {}
+        self._scan_s = -math.inf
+        self._unseen: deque[tuple[float, float]] = deque()
 
     def feed(self, epoch: Epoch) -> None:
         """Take the next epoch in: what its relative bearings changed by together, eq. (6.17)."""
         now_s = epoch_time(epoch)
         scan: dict[str, Report] = {t.label: (now_s, t) for t in epoch.targets if t.bearing_reference == "relative"}
-        turned_deg = math.degrees(turn_between(self._scan, scan, self._model))
-        self._scan = scan or self._scan
+        bridged = now_s - self._scan_s <= _BRIDGED_S
+        turned_deg = math.degrees(turn_between(self._scan, scan, self._model)) if bridged else 0.0
+        if scan and not bridged:
+            self._unseen.append((self._scan_s, now_s))
+        if scan:
+            self._scan, self._scan_s = scan, now_s
         self._time_s.append(now_s)
         self._turned_deg.append((self._turned_deg[-1] if self._turned_deg else 0.0) + turned_deg)
         while now_s - self._time_s[0] > _KEPT_S:
             self._time_s.popleft()
             self._turned_deg.popleft()
+        while self._unseen and now_s - self._unseen[0][1] > _KEPT_S:
+            self._unseen.popleft()
+
+    def watched(self, from_s: float, to_s: float) -> bool:
+        """Tell whether relative bearings showed the turn all the time between two instants."""
+        last_seen = to_s - self._scan_s <= _BRIDGED_S
+        return last_seen and not any(begin_s < to_s and end_s > from_s for begin_s, end_s in self._unseen)
 
     def between_deg(self, from_s: float, to_s: float) -> float:
         """Return the turn [deg] to starboard between two instants, by the newest scans before them."""

@@ -20,7 +20,9 @@ class DeadReckoning:
     """A position carried on from the last fix (``since_utc``); ``covariance`` (2, 2) in north, east [m^2] grows.
 
     ``source``: own speed by log along the heading of a gyro or along the last one, or the last velocity over ground.
-    ``heading_deg`` with its 1 sigma is None where no fix told it.
+    ``heading_deg`` with its 1 sigma is None where no fix told it. ``probability_wrong`` is what was stated of the last
+    fix (None where nothing was): if that place was another one, so is this, and the ellipse does not hold it.
+    ``doubt`` says in words what speaks against that fix by now, "" where nothing does.
     """
 
     position: Position
@@ -30,6 +32,8 @@ class DeadReckoning:
     source: ReckoningSource
     heading_sigma_deg: float | None = None
     age_s: float = 0.0
+    probability_wrong: float | None = None
+    doubt: str = ""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariance", frozen_array(self.covariance, np.float64))

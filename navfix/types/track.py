@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-TrackStatus = Literal["cold", "tracking", "lapsed", "conflict"]
+TrackStatus = Literal["cold", "tracking", "dead_reckoning", "lapsed", "conflict"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,7 +13,8 @@ class TrackState:
     """The navigator's trust in its place.
 
     ``innovation`` squared distance of the newest window to its prior (chi-square, 3 degrees of freedom).
-    ``status`` cold: no place; tracking: a place that is held; lapsed: a place whose evidence has sunk, not given out;
+    ``status`` cold: no place; tracking: a place that is held; dead_reckoning: one that is held and that no echo shows
+    now, so that only dead reckoning goes on; lapsed: a place whose evidence has sunk, not given out;
     conflict: two places are believed, none is given out. ``probability_wrong`` of what is given out is at most
     this, by its lead and the age of its last confirmation (None without a place, with an unproven or a lapsed one);
     ``confirmed_age_s`` since a solve that knew nothing of the track found it last; ``not_checked`` what no figure here

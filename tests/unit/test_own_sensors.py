@@ -82,3 +82,29 @@ def test_a_place_that_is_carried_follows_the_sensors_and_is_as_unsure_as_without
     assert inverse(straight.position, true)[0] > 100.0
     assert carried.heading_deg == pytest.approx(110.0, abs=1e-6)
     assert np.array_equal(carried.covariance, straight.covariance)
+
+
+def test_a_gyro_that_the_bearings_refute_is_not_believed_for_minutes_and_a_right_one_is():
+    hinted = Epoch(BEGIN + timedelta(seconds=60), (), (), heading_hint=HeadingHint(150.0, 1.5))
+    assert heard(90.0).believed(hinted).heading_hint is not None
+    assert heard(frozen=True).believed(hinted).heading_hint is None
+
+
+def test_a_turn_that_no_scan_showed_does_not_refute_the_gyro():
+    yaw = YawLog()
+    sensors = OwnSensors(yaw)
+    for k in range(121):
+        second = BEGIN + timedelta(seconds=k)
+        hint = HeadingHint(30.0 if k <= 30 else min(30.0 + 2.0 * (k - 30), 120.0), 1.5)
+        echoes = () if 20 < k < 100 else (RadarTarget("1", 5000.0, 90.0 if k <= 20 else 0.0),)
+        epoch = Epoch(second, echoes, (), heading_hint=hint, speed_hint=SpeedHint(LOG_MPS, 0.1))
+        yaw.feed(epoch)
+        sensors.feed(epoch)
+        assert sensors.believed(epoch).heading_hint is not None
+    begin_s = BEGIN.timestamp()
+    assert yaw.between_deg(begin_s, begin_s + 120.0) == pytest.approx(0.0), "nothing is known of it"
+    assert not yaw.watched(begin_s, begin_s + 120.0)
+    assert yaw.watched(begin_s + 101.0, begin_s + 120.0)
+    sailed = sensors.since(place(), begin_s + 120.0)
+    assert sailed is not None
+    assert sailed.turned_deg == pytest.approx(90.0)
