@@ -62,7 +62,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Adjust every case and print one report, or one line of JSON, for each."""
     from navfix.report.case_html import cases_html
-    from navfix.report.fix_json import to_json_line
+    from navfix.report.json_parts import to_json_line
 
     kernel = options.kernel(args)
     manner = {"damping": args.damping, "standardise": args.standardise}

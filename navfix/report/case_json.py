@@ -7,7 +7,7 @@ from typing import Any
 from navfix.adjustment.case import Case
 from navfix.adjustment.textbook import LinearStep
 from navfix.adjustment.utm import from_utm
-from navfix.report.fix_json import position_to_dict
+from navfix.report.json_parts import position_to_dict
 from navfix.report.numbers import plain, plain_matrix
 from navfix.types import Fix, FloatArray, PlanePosition
 

@@ -14,7 +14,8 @@ from typing import Any
 from navfix.errors import InputError
 from navfix.geodesy import direct
 from navfix.report.answer import Answer
-from navfix.report.fix_json import ELLIPSE_PROBABILITIES, ellipse_to_dict, no_fix_to_dict
+from navfix.report.fix_json import no_fix_to_dict
+from navfix.report.json_parts import ELLIPSE_PROBABILITIES, ellipse_to_dict
 from navfix.report.numbers import degrees, iso_utc, plain
 from navfix.report.scene import Scene, polar, scene_of
 from navfix.types import Alternative, Ellipse, Fix, Position

@@ -33,7 +33,7 @@ from navfix.report.drawing.view import (
     nice,
     view_of,
 )  # fmt: skip
-from navfix.report.fix_json import ELLIPSE_PROBABILITIES, position_to_dict
+from navfix.report.json_parts import ELLIPSE_PROBABILITIES, position_to_dict
 from navfix.report.numbers import iso_utc
 from navfix.report.scene import Scene, scene_of
 from navfix.report.tables import clipped

@@ -7,10 +7,11 @@ from collections.abc import Callable
 from navfix.errors import InputError
 from navfix.report.answer import Answer
 from navfix.report.csv_table import csv_text
-from navfix.report.fix_json import answer_to_dict, to_json_line
+from navfix.report.fix_json import answer_to_dict
 from navfix.report.geojson import geojson_text
 from navfix.report.gpx import gpx_text
 from navfix.report.html import html_text
+from navfix.report.json_parts import to_json_line
 from navfix.report.nmea_out import nmea_text
 from navfix.report.svg import svg_text
 from navfix.report.text import report_text

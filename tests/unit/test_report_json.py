@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from navfix.report import Answer
-from navfix.report.fix_json import answer_to_dict, fix_to_dict, to_json_line
+from navfix.report.fix_json import answer_to_dict, fix_to_dict
+from navfix.report.json_parts import to_json_line
 from navfix.report.numbers import plain
 from navfix.types import Ellipse, Fix, GlobalTest
 from tests.factories import every_fix, every_no_fix, make_answer, make_fix, make_no_fix, make_plane_fix

@@ -11,7 +11,7 @@ from navfix.report.drawing import symbols
 from navfix.report.drawing.frame import scale_bar
 from navfix.report.drawing.labels import Labels
 from navfix.report.drawing.view import INK, MUTED, OUTLIER, OWN, PLACE, Box, View, add, box_around, path, text
-from navfix.report.fix_json import ELLIPSE_PROBABILITIES
+from navfix.report.json_parts import ELLIPSE_PROBABILITIES
 from navfix.report.scene import Scene
 from navfix.types import Fix
 
