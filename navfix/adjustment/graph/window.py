@@ -1,15 +1,16 @@
 """A window of epochs as a factor graph: poses, what they share, and what stays with a mark, in GTSAM.
 
 Keys: pose e at e, the globals at E, the errors that stay with mark j (its offset, then the constants of its tracks) at
-E + 1 + j. One factor for each epoch, one for each step of own ship's motion, one prior for the globals and for each
-mark. The weights of the kernel at a solution that is known already stand in the factors: what GTSAM adds is its own
-linearisation on the manifold of poses, its own elimination, and the marginal covariance.
+E + 1 + j. One factor for each sighting, for each step of own ship's motion, for the globals and for each mark, of three
+keys at most. The weights of the kernel at a solution that is known already stand in the factors: what GTSAM adds is its
+own linearisation on the manifold of poses, its own elimination, and the marginal covariance.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,9 +21,11 @@ from navfix.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
     from navfix.adjustment.window.descent import Damper
+    from navfix.adjustment.window.rows import Rows
 
 _NO_WEIGHT = 1e-9
 _SOLVED = 1e-4  # sigma: from so near, one more linearisation moves nothing
+_KEYS = 3  # the most that one factor depends on
 
 
 def solve(damper: Damper, start: FloatArray) -> tuple[GraphSolution, FloatArray]:
@@ -34,31 +37,25 @@ def solve(damper: Damper, start: FloatArray) -> tuple[GraphSolution, FloatArray]
     """
     import gtsam
 
-    blocks = _Blocks(damper, start)
-    graph, values = gtsam.NonlinearFactorGraph(), gtsam.Values()
-    for key, columns in enumerate(blocks.columns):
-        part = start[columns]
-        values.insert(key, gtsam.Pose2(*part) if key < blocks.epochs else part)
-    for factor in blocks.factors():
-        graph.add(factor)
+    window = _Window(damper, start)
+    values, newest = window.values(), window.epochs - 1
     try:
-        newest = blocks.epochs - 1
-        linear = graph.linearize(values)
+        linear = window.linear()
         step = linear.optimize()
         if _length(linear, step) < _SOLVED:  # solved already: the same linear system gives step and covariance
             solution, iterations, error = values.retract(step), 1, linear.error(step)
             cofactor = _in_north_east(gtsam.Marginals(linear, values).marginalCovariance(newest), values, newest)
         else:
+            graph = window.graph()
             optimizer = gtsam.LevenbergMarquardtOptimizer(graph, values, _parameters())
             solution = optimizer.optimize()
             iterations, error = optimizer.iterations(), optimizer.error()
             cofactor = _marginal(graph, solution, newest)
-        state = blocks.state(solution)
+        state = window.state(solution)
     except RuntimeError as failure:
         said = " ".join(str(failure).split()).partition(".")[0]
         raise Unobservable(f"GTSAM cannot solve this window: {said}", direction="not determined") from failure
-    pose = state[blocks.columns[newest]]
-    return GraphSolution(pose, cofactor, 2.0 * error, iterations), state
+    return GraphSolution(state[window.columns[newest]], cofactor, 2.0 * error, iterations), state
 
 
 def _length(linear: Any, step: Any) -> float:
@@ -67,89 +64,107 @@ def _length(linear: Any, step: Any) -> float:
     return math.sqrt(max(2.0 * (linear.error(nothing) - linear.error(step)), 0.0))
 
 
-class _Blocks:
+class _Window:
     """The unknowns by key, and the rows of the window by factor."""
 
     def __init__(self, damper: Damper, start: FloatArray) -> None:
-        self._damper, layout = damper, damper.plan.layout
+        self._damper, self._start, layout = damper, np.array(start), damper.plan.layout
         self.epochs = layout.epochs
-        shared = layout.shared
-        of_mark = layout.static_mark(damper.plan.window)
-        static = np.arange(shared + 5, layout.size)
+        static, of_mark = np.arange(layout.shared + 5, layout.size), layout.static_mark(damper.plan.window)
         self.columns: list[IntArray] = [np.arange(3 * e, 3 * e + 3) for e in range(layout.epochs)]
-        self.columns.append(np.arange(shared, shared + 5))
+        self.columns.append(np.arange(layout.shared, layout.shared + 5))
         self.columns += [static[of_mark == mark] for mark in range(layout.marks)]
-        self._key = np.empty(layout.size, np.int64)
-        for key, columns in enumerate(self.columns):
-            self._key[columns] = key
-        self._start = np.array(start)
-        rows = damper.rows(start)
-        _, weights = damper.judge(rows.residual)
-        self._root, self._rows = np.sqrt(weights.row), rows
-        self._cache: tuple[FloatArray, Any] | None = None
+        key, place = np.empty(layout.size, np.int64), np.empty(layout.size, np.int64)
+        for number, columns in enumerate(self.columns):
+            key[columns], place[columns] = number, np.arange(len(columns))
+        self._rows = damper.rows(start)
+        _, weights = damper.judge(self._rows.residual)
+        self._root = np.sqrt(weights.row)
+        self._at_state = self._start
+        used = self._rows.values != 0.0
+        used[damper.plan.radar] = True  # a sighting is one factor, though a range does not show the heading
+        used &= (weights.row > _NO_WEIGHT)[:, None]
+        self._row, self._entry = np.nonzero(used)
+        column = self._rows.columns[self._row, self._entry]
+        wanted, which = np.unique(self._row * len(self.columns) + key[column], return_inverse=True)
+        owner, key_of = np.divmod(wanted, len(self.columns))
+        slot = np.arange(len(owner)) - np.searchsorted(owner, owner)
+        self._slot, self._place = slot[which], place[column]
+        self._keys = np.full((len(used), _KEYS), -1)
+        self._keys[owner, slot] = key_of
+        self._factors = _factors(self._keys)
+        self._blocks = self._blocks_of(self._rows, self._start)
 
-    def factors(self) -> list[Any]:
-        """Return the factors: rows that depend on the same group of unknowns belong together."""
+    def values(self) -> Any:
+        """Return the start as GTSAM's values."""
         import gtsam
 
-        plan, rows = self._damper.plan, self._rows
-        groups: dict[int, list[int]] = {}
-        for row in range(len(rows.residual)):
-            if self._root[row] ** 2 > _NO_WEIGHT:
-                groups.setdefault(self._group(row, plan), []).append(row)
-        noise: dict[int, Any] = {}
-        found = []
-        for members in groups.values():
-            index = np.array(members)
-            keys = np.unique(self._key[rows.columns[index][rows.values[index] != 0.0]]).tolist()
-            size = len(members)
-            if size not in noise:
-                noise[size] = gtsam.noiseModel.Unit.Create(size)
-            found.append(gtsam.CustomFactor(noise[size], keys, self._error_function(index, keys)))
-        return found
+        values = gtsam.Values()
+        for key, columns in enumerate(self.columns):
+            part = self._start[columns]
+            values.insert(key, gtsam.Pose2(*part) if key < self.epochs else part)
+        return values
 
-    def _group(self, row: int, plan: Any) -> int:
-        """Return a number for the factor of a row: by epoch of a sighting, mark of a constant, step of a move."""
-        if row < plan.radar.stop:
-            return int(plan.window.seen.epoch[row // 2])
-        if row < plan.static.stop:
-            return 10**6 + int(self._key[self._rows.columns[row, 0]])
-        return 2 * 10**6 + int(self._rows.columns[row].max() // 3) * 10 + int(self._rows.component[row])
+    def linear(self) -> Any:
+        """Return the linear factor graph at the start."""
+        import gtsam
+
+        graph = gtsam.GaussianFactorGraph()
+        factor: Any = gtsam.JacobianFactor  # its stubs know no keys that come as a list
+        right, widths = -self._rows.residual * self._root, [len(columns) for columns in self.columns]
+        for rows, keys in self._factors:
+            blocks = self._blocks[rows]
+            terms = [(key, blocks[:, slot, : widths[key]]) for slot, key in enumerate(keys)]
+            noise = gtsam.noiseModel.Unit.Create(len(rows))
+            graph.add(factor(*chain.from_iterable(terms), right[rows], noise))
+        return graph
+
+    def graph(self) -> Any:
+        """Return the factor graph itself, linearised anew by GTSAM at every step."""
+        import gtsam
+
+        graph, noise = gtsam.NonlinearFactorGraph(), gtsam.noiseModel.Unit.Create
+        for rows, keys in self._factors:
+            graph.add(gtsam.CustomFactor(noise(len(rows)), keys, self._error_function(rows, keys)))
+        return graph
 
     def _error_function(self, index: IntArray, keys: list[int]) -> Callable[[Any, Any, Any], FloatArray]:
-        root = self._root[index]
         columns = np.concatenate([self.columns[key] for key in keys])
-        place = np.zeros(self._damper.plan.layout.size, np.int64)
-        place[columns] = np.arange(len(columns))
-        splits = np.cumsum([len(self.columns[key]) for key in keys])[:-1]
-        poses = [i for i, key in enumerate(keys) if key < self.epochs]
 
         def error(_factor: Any, values: Any, jacobians: Any) -> FloatArray:
-            rows = self._at(values, keys, columns)
+            self._linearise_at(values, keys, columns)
             if jacobians is not None:
-                a = np.zeros((len(index), len(columns)))
-                at = np.arange(len(index))[:, None]
-                np.add.at(a, (at, place[rows.columns[index]]), rows.values[index] * root[:, None])
-                for i, part in enumerate(np.split(a, splits, axis=1)):
-                    if i in poses:
-                        theta = values.atPose2(keys[i]).theta()
-                        c, s = np.cos(theta), np.sin(theta)
-                        part = np.column_stack([part[:, :2] @ np.array([[c, -s], [s, c]]), part[:, 2]])
-                    jacobians[i] = np.asfortranarray(part)
-            return np.asarray(rows.residual[index] * root)
+                for slot, key in enumerate(keys):
+                    jacobians[slot] = np.asfortranarray(self._blocks[index, slot, : len(self.columns[key])])
+            return np.asarray(self._rows.residual[index] * self._root[index])
 
         return error
 
-    def _at(self, values: Any, keys: list[int], columns: IntArray) -> Any:
-        """Return all rows at GTSAM's values, computed once for all factors that ask for the same.
+    def _linearise_at(self, values: Any, keys: list[int], columns: IntArray) -> None:
+        """Make all rows at GTSAM's values, once for all factors that ask for the same.
 
         A factor's rows depend on its own unknowns only: where these have not changed, what is kept holds for it.
         """
         own = np.concatenate([self._of_key(values, key) for key in keys])
-        if self._cache is None or not np.array_equal(self._cache[0][columns], own):
-            state = self.state(values)
-            self._cache = (state, self._damper.rows(state))
-        return self._cache[1]
+        if not np.array_equal(self._at_state[columns], own):
+            self._at_state = self.state(values)
+            self._rows = self._damper.rows(self._at_state)
+            self._blocks = self._blocks_of(self._rows, self._at_state)
+
+    def _blocks_of(self, rows: Rows, state: FloatArray) -> FloatArray:
+        """Return the weighted derivatives of every row (m,) by the unknowns of its keys: (m, 3, widest key).
+
+        GTSAM's increments of a pose are in the ship's axes.
+        """
+        blocks = np.zeros((len(rows.residual), _KEYS, max(len(columns) for columns in self.columns)))
+        at = (self._row, self._slot, self._place)
+        np.add.at(blocks, at, rows.values[self._row, self._entry] * self._root[self._row])
+        for slot in range(_KEYS):
+            row = np.flatnonzero((self._keys[:, slot] >= 0) & (self._keys[:, slot] < self.epochs))
+            heading = state[3 * self._keys[row, slot] + 2]
+            c, s, north, east = np.cos(heading), np.sin(heading), blocks[row, slot, 0], blocks[row, slot, 1]
+            blocks[row, slot, 0], blocks[row, slot, 1] = north * c + east * s, east * c - north * s
+        return blocks
 
     def state(self, values: Any) -> FloatArray:
         """Return GTSAM's values as one vector; angles go on from those of the start."""
@@ -166,3 +181,12 @@ class _Blocks:
         before = float(self._start[self.columns[key][2]])
         turn = (pose.theta() - before + math.pi) % (2.0 * math.pi) - math.pi
         return np.array([pose.x(), pose.y(), before + turn])
+
+
+def _factors(keys: IntArray) -> list[tuple[IntArray, list[int]]]:
+    """Return rows and keys of every factor: rows (m,) that depend on the same keys (m, 3) belong together."""
+    together, which = np.unique(keys, axis=0, return_inverse=True)
+    order = np.argsort(which, kind="stable")
+    bounds = np.searchsorted(which[order], np.arange(len(together) + 1)).tolist()
+    rows = [order[begin:end] for begin, end in pairwise(bounds)]
+    return [(r, [key for key in k if key >= 0]) for r, k in zip(rows, together.tolist(), strict=True) if k[0] >= 0]

@@ -7,21 +7,18 @@ import math
 import numpy as np
 
 from navfix.association.scene import heading_of, position_of
-from navfix.association.window import pairs
 from navfix.association.window.jackknife import PoseAtEnd
-from navfix.association.window.joint import Joint, Window
-from navfix.types import AdjustedObservation, Association, Epoch, Fix, FloatArray, ObservationKind
+from navfix.association.window.joint import Window
+from navfix.association.window.pairs import Pairs
+from navfix.types import AdjustedObservation, Association, Fix, FloatArray, ObservationKind
 from navfix.units import wrap_180, wrap_360
 
 
-def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, epoch: Epoch) -> Fix:
-    """Return the fix of one answer at the newest epoch; residuals are the means of the tracks over the window.
+def as_fix(window: Window, pose: PoseAtEnd, matched: Pairs, association: Association) -> Fix:
+    """Return the fix of an answer at the newest epoch; residuals are the means of the tracks over the window.
 
     True bearings say nothing of own heading: what they are turned by is not given out as one.
     """
-    window = found.window
-    answers = found.answers.take(np.array([row]))
-    matched = pairs.one_to_one(window.field, answers.knots)
     observations: list[AdjustedObservation] = []
     scene = window.field.scene
     for (track, mark), misfit_m in zip(matched.index.tolist(), matched.misfit_m, strict=True):
@@ -39,7 +36,7 @@ def as_fix(found: Joint, row: int, pose: PoseAtEnd, association: Association, ep
         redundancy=max(0, len(observations) - 3),
         observations=tuple(observations),
         association=association,
-        epoch=epoch,
+        epoch=window.epochs[-1],
         cofactor_matrix=pose.covariance[:unknowns, :unknowns],
         covariance_scaling="a_priori",
         dof=math.inf,

@@ -17,6 +17,7 @@ from navfix.association.window.as_fix import as_fix
 from navfix.association.window.evidence import Answers
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
+from navfix.association.window.pairs import Pairs
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray
@@ -79,11 +80,11 @@ def solve_window(
 def window_answer(found: Joint, pose: PoseAtEnd) -> WindowAnswer:
     """Return the best answer of a window, whose pose at the end is known, as a fix with its pairs."""
     window, best = found.window, found.answers.take(np.array([0]))
-    matched = association(found, pose)
-    index = pairs.one_to_one(window.field, best.knots).index
-    fix = as_fix(found, 0, pose, matched, window.epochs[-1])
-    labels = pairs.labels_by_epoch(window, index, window.epochs)
-    return WindowAnswer(fix, matched, tuple(labels), pose.covariance - pose.formal)
+    matched = pairs.one_to_one(window.field, best.knots)
+    said = association(found, pose, matched)
+    fix = as_fix(window, pose, matched, said)
+    labels = pairs.labels_by_epoch(window, matched.index, window.epochs)
+    return WindowAnswer(fix, said, tuple(labels), pose.covariance - pose.formal)
 
 
 def require_order(epochs: Sequence[Epoch]) -> None:
@@ -151,12 +152,12 @@ def _alternative(window: Window, answers: Answers, row: int) -> Alternative:
     )
 
 
-def association(found: Joint, pose: PoseAtEnd) -> Association:
-    """Return the association of the best answer for the newest epoch of its window."""
+def association(found: Joint, pose: PoseAtEnd, matched: Pairs) -> Association:
+    """Return the association of the best answer for the newest epoch of its window, from its pairs over all of it."""
     window, answers = found.window, found.answers.take(np.array([0]))
     evidence = float(answers.evidence[0])
     ahead = min(found.answers.margin, LARGEST_MARGIN)
-    index, probability = _newest_pairs(window, answers)
+    index, probability = _newest_pairs(window, matched)
     return Association(
         pairs=index,
         probability=probability,
@@ -180,11 +181,10 @@ def probability_wrong(evidence: float, ahead: float, model: WindowModel, shared:
     )
 
 
-def _newest_pairs(window: Window, answers: Answers) -> tuple[np.ndarray, np.ndarray]:
+def _newest_pairs(window: Window, matched: Pairs) -> tuple[np.ndarray, np.ndarray]:
     """Return the pairs as indices of the newest epoch's targets and marks, with their probability."""
     scene = window.field.scene
-    found = pairs.one_to_one(window.field, answers.knots)
-    target = np.array([scene.tracks[t].newest for t in found.index[:, 0]], dtype=np.int64)
-    mark = np.array([scene.paths.newest[m] for m in found.index[:, 1]], dtype=np.int64)
+    target = np.array([scene.tracks[t].newest for t in matched.index[:, 0]], dtype=np.int64)
+    mark = np.array([scene.paths.newest[m] for m in matched.index[:, 1]], dtype=np.int64)
     there = (target >= 0) & (mark >= 0)
-    return np.column_stack([target, mark])[there].reshape(-1, 2), found.probability[there]
+    return np.column_stack([target, mark])[there].reshape(-1, 2), matched.probability[there]

@@ -50,7 +50,7 @@ def knot_step(
 ) -> tuple[Knots, FloatArray]:
     """One E-step and one M-step over all unknowns; return the moved motions and the information (k, d, d).
 
-    ``track_weight`` (k, m) leaves tracks out (0) or counts them (1).
+    ``track_weight`` (k, m) leaves tracks out (0) or counts them (1); k of these on one motion make k of it.
     """
     fit = lay_over(field, knots)
     expected = expect(field, fit, widening)
@@ -82,7 +82,7 @@ def normal_equations(
         scale = track_weight[:, :, None, None]
         total, pull, with_clock = total * scale, pull * scale, with_clock * scale
         clock_square, clock_pull = clock_square * track_weight, clock_pull * track_weight
-    count, d = len(J), J.shape[2] + 1
+    count, d = len(total), J.shape[2] + 1
     information, gradient = np.zeros((count, d, d)), np.zeros((count, d))
     back = np.swapaxes(J, 1, 2)
     right = np.stack([with_clock.reshape(count, -1), pull.reshape(count, -1)], axis=2)

@@ -87,7 +87,7 @@ def _spread(field: WindowField, knots: Knots, prior: MotionPrior) -> FloatArray:
         return np.zeros((3, 3))
     weight = np.ones((len(matched), len(field.scene.bins)))
     weight[np.arange(len(matched)), matched] = 0.0
-    left = Knots.join(*[knots] * len(matched))
+    left = knots  # one motion for all at first: what it fits is laid over once
     for _ in range(ROUNDS):
         left, _ = knot_step(field, left, 1.0, prior, weight)
     place, heading, _ = at_end(field, left)

@@ -88,9 +88,9 @@ def solve(window: Window, knots: Knots) -> Joint:
 
 
 def _against_better_null(window: Window, found: Answers) -> Answers:
-    """Fit the null once more from the winner's own motion: it must not be worse for want of a start."""
+    """Fit the null from the winner's own motion too: it must not be worse for want of a start."""
     field = window.field
-    again = null.fit_null(field, window.prior, shape_of(found.knots.take(np.arange(1)), field.scene.gauge))
+    again = null.fit_from(field, window.prior, shape_of(found.knots.take(np.arange(1)), field.scene.gauge))
     gained = max(0.0, again.log_evidence - window.null.log_evidence)
     return Answers(found.knots, found.information, found.evidence - gained, found.marks)
 

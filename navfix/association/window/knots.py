@@ -36,8 +36,8 @@ class Knots:
         return Knots(self.p[rows], self.heading_rad[rows], self.clock_s[rows])
 
     def moved(self, step: FloatArray) -> Knots:
-        """Return the motions after a step (k, 3 K + 1) of the unknowns."""
-        by_knot = step[:, :-1].reshape(len(self), -1, 3)
+        """Return the motions after a step (k, 3 K + 1) of the unknowns; one motion after k steps is k motions."""
+        by_knot = step[:, :-1].reshape(len(step), -1, 3)
         return Knots(
             self.p + by_knot[:, :, 0] + 1j * by_knot[:, :, 1],
             self.heading_rad + by_knot[:, :, 2],

@@ -7,8 +7,11 @@ regained, and between two of them the mark is interpolated.
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 
@@ -40,29 +43,21 @@ class MarkPaths:
 _Seen = tuple[float, Mark]
 
 
-@dataclass(slots=True)
-class _Report:
-    time_s: float
-    place: complex
-    velocity: complex
+_Report = tuple[float, complex, complex]  # time [POSIX s], place [m], velocity [m/s]
 
 
 def paths_of(epochs: Sequence[Epoch], origin: Position, knot_s: FloatArray, model: WindowModel) -> MarkPaths:
     """Return where every mark of the window was at the knots [POSIX s]."""
     histories = _histories(epochs, origin)
     index = {mark.label: i for i, mark in enumerate(epochs[-1].marks)}
-    names = list(histories)
-    z, v, aged = np.zeros((len(names), len(knot_s)), complex), np.zeros((len(names), len(knot_s)), complex), []
-    for row, name in enumerate(names):
-        z[row], v[row], age_s, apart_m = _between(histories[name][0], knot_s)
-        aged.append(np.hypot(_aged_m(v[row], age_s, model), apart_m))
+    z, v, age_s, apart_m = _between([reports for reports, _, _ in histories.values()], knot_s)
     return MarkPaths(
-        tuple(histories[name][1] for name in names),
+        tuple(newest for _, newest, _ in histories.values()),
         z,
         v,
-        np.array([histories[name][2] for name in names]),
-        np.array(aged).reshape(len(names), len(knot_s)),
-        tuple(index.get(name, -1) for name in names),
+        np.array([sigma_m for _, _, sigma_m in histories.values()]),
+        np.hypot(_aged_m(v, age_s, model), apart_m),
+        tuple(index.get(name, -1) for name in histories),
     )
 
 
@@ -91,34 +86,39 @@ def _histories(epochs: Sequence[Epoch], origin: Position) -> dict[str, tuple[lis
 def _same_report(one: Mark, other: Mark) -> bool:
     if one.time_utc is None or other.time_utc is None:
         return one.time_utc is other.time_utc
-    return abs((other.time_utc - one.time_utc).total_seconds()) < SAME_REPORT_S
+    return one.time_utc == other.time_utc or abs((other.time_utc - one.time_utc).total_seconds()) < SAME_REPORT_S
 
 
 def _report(group: list[tuple[float, complex, Mark]]) -> _Report:
     """Return the report behind the places of one group: carried back to its own time."""
     at_s, place, mark = group[0]
-    velocity = _reported_velocity(mark)
     if len(group) > 1 and group[-1][0] > at_s:
         velocity = (group[-1][1] - place) / (group[-1][0] - at_s)
+    else:
+        velocity = _reported_velocity(mark)
     time_s = at_s if mark.time_utc is None else mark.time_utc.timestamp()
-    return _Report(time_s, place - velocity * (at_s - time_s), velocity)
+    return time_s, place - velocity * (at_s - time_s), velocity
 
 
 def _reported_velocity(mark: Mark) -> complex:
     if mark.kind != "ship" or mark.speed_mps is None or mark.course_deg is None or mark.speed_mps <= 0.5:
         return 0j
-    return complex(mark.speed_mps * np.exp(1j * np.radians(mark.course_deg)))
+    return cmath.rect(mark.speed_mps, math.radians(mark.course_deg))
 
 
-def _between(reports: list[_Report], knot_s: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray]:
-    """Return place, velocity, time to the nearest report and doubt [m] (K,): a blend of the reports before and after.
+def _between(
+    histories: Sequence[Sequence[_Report]], knot_s: FloatArray
+) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray]:
+    """Return place, velocity, time to the nearest report and doubt [m], each (n, K): a blend of the two reports around.
 
     The doubt is how far the two disagree, where both count.
     """
-    time_s = np.array([r.time_s for r in reports])
-    place, velocity = np.array([r.place for r in reports]), np.array([r.velocity for r in reports])
-    after = np.clip(np.searchsorted(time_s, knot_s), 0, len(reports) - 1)
-    before = np.clip(after - (time_s[after] > knot_s), 0, len(reports) - 1)
+    length = np.array([len(reports) for reports in histories], dtype=np.int64)
+    first = (np.cumsum(length) - length)[:, None]
+    time_s, place, velocity = (np.array(part) for part in zip(*chain.from_iterable(histories), strict=True))
+    earlier = np.add.reduceat(time_s[:, None] < knot_s, first[:, 0], dtype=np.int64)
+    after = first + np.minimum(earlier, length[:, None] - 1)
+    before = np.maximum(after - (time_s[after] > knot_s), first)
     forward_s, backward_s = knot_s - time_s[before], knot_s - time_s[after]
     span_s = time_s[after] - time_s[before]
     weight = np.where(span_s > 0.0, forward_s / np.where(span_s > 0.0, span_s, 1.0), 0.0)

@@ -28,16 +28,18 @@ class Null:
     log_evidence: float
 
 
-def fit_null(field: WindowField, prior: MotionPrior, starts: Knots | None = None) -> Null:
-    """Fit own motion to the tracks as clutter, from several velocities (and from ``starts``), and weigh it."""
+def fit_null(field: WindowField, prior: MotionPrior) -> Null:
+    """Fit own motion to the tracks as clutter, from several velocities, and weigh it."""
     if field.scene.knots == 1:
         zero = Knots(np.zeros((1, 1), complex), np.zeros((1, 1)), np.zeros(1))
         return Null(zero, float(as_clutter(field, _fit_of(field, zero).path).log_density.sum()))
-    knots = _starts(field) if starts is None else Knots.join(_starts(field), starts)
-    for number in range(ROUNDS):
-        knots, _, log_density = _step(field, knots, prior)
-        if number == ROUNDS // 2 - 1:
-            knots = knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS])
+    knots, log_density = _descended(field, prior, _starts(field), ROUNDS // 2)
+    return fit_from(field, prior, knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS]), ROUNDS // 2)
+
+
+def fit_from(field: WindowField, prior: MotionPrior, knots: Knots, rounds: int = ROUNDS) -> Null:
+    """Fit own motion to the tracks as clutter from each of k motions; return the best."""
+    knots, _ = _descended(field, prior, knots, rounds)
     keep = prior.shape_rows()
     shape_prior = prior.without_pose()
     x = knots.vector()[:, keep]
@@ -46,6 +48,14 @@ def fit_null(field: WindowField, prior: MotionPrior, starts: Knots | None = None
     evidence += 0.5 * np.linalg.slogdet(shape_prior)[1] - 0.5 * np.linalg.slogdet(information)[1]
     best = int(np.argmax(evidence))
     return Null(knots.take(np.array([best])), float(evidence[best]))
+
+
+def _descended(field: WindowField, prior: MotionPrior, knots: Knots, rounds: int) -> tuple[Knots, FloatArray]:
+    """Return motions after so many steps, and ln density (k,) before the last of them."""
+    log_density = np.zeros(len(knots))
+    for _ in range(rounds):
+        knots, _, log_density = _step(field, knots, prior)
+    return knots, log_density
 
 
 def _starts(field: WindowField) -> Knots:

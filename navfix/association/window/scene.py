@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.scene import ComplexArray, Scene, conspicuity, middle
+from navfix.association.window.bins import bases, binned
 from navfix.association.window.marks import MarkPaths, paths_of
 from navfix.association.window.tracks import Track, epoch_time, tracks_of
 from navfix.association.window.yaw import Yaw
@@ -83,17 +84,15 @@ def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel)
     if count > 1:
         knot_s = end_s - model.bin_s * (np.arange(count, dtype=np.float64)[::-1] + 0.5)
     middle_s = float(knot_s.mean())
-    binned = [_binned(track, knot_s, model.bin_s) for track in tracks]
-    kept = [i for i, (alive, _) in enumerate(binned) if alive.any()]
-    tracks = [tracks[i] for i in kept]
+    alive, rho = binned(tracks, knot_s, model.bin_s)
+    kept = np.flatnonzero(alive.any(axis=1))
+    tracks, alive, rho = [tracks[i] for i in kept], alive[kept], rho[kept]
     _require_some(tracks, epochs)
-    alive = np.array([binned[i][0] for i in kept], dtype=bool).reshape(len(kept), count)
-    rho = np.array([binned[i][1] for i in kept], dtype=np.complex128).reshape(len(kept), count)
     lat = [m.position.lat_deg for m in epochs[-1].marks] or [m.position.lat_deg for e in epochs for m in e.marks]
     lon = [m.position.lon_deg for m in epochs[-1].marks] or [m.position.lon_deg for e in epochs for m in e.marks]
     origin = middle(np.array(lat), np.array(lon))
     paths = paths_of(epochs, origin, knot_s, model)
-    basis, used, spread = _bases(alive, knot_s)
+    basis, used, spread = bases(alive, knot_s)
     constant, white = _variances(tracks, rho, alive, model)
     middle_bin = np.array([int(np.flatnonzero(row)[row.sum() // 2]) for row in alive], dtype=np.int64)
     flat = _flat(origin, rho[np.arange(len(kept)), middle_bin], constant, paths, count // 2, reference, shared)
@@ -113,44 +112,6 @@ def _reference(epochs: Sequence[Epoch]) -> str:
     """Return which bearings prevail in the window."""
     true = sum(t.bearing_reference == "true" for e in epochs for t in e.targets)
     return "true" if 2 * true > sum(len(e.targets) for e in epochs) else "relative"
-
-
-def _binned(track: Track, knot_s: FloatArray, bin_s: float) -> tuple[np.ndarray, ComplexArray]:
-    """Return where a track lives (K,) and its place at the knots (K,): a line through the reports of each bin."""
-    alive, rho = np.zeros(len(knot_s), dtype=bool), np.zeros(len(knot_s), dtype=np.complex128)
-    for k, at_s in enumerate(knot_s):
-        after_s = track.time_s - at_s
-        inside = np.abs(after_s) <= 0.5 * bin_s + 0.5 if len(knot_s) > 1 else np.ones(len(after_s), dtype=bool)
-        if not inside.any():
-            continue
-        around = np.abs(after_s) <= 1.5 * bin_s
-        slope = _slope(after_s[around], track.rho[around])
-        alive[k], rho[k] = True, np.mean(track.rho[inside] - slope * after_s[inside])
-    return alive, rho
-
-
-def _slope(time_s: FloatArray, rho: ComplexArray) -> complex:
-    """Return the slope of a line [m/s, complex]; 0 where the reports span less than four seconds."""
-    if len(time_s) < 3 or np.ptp(time_s) < 4.0:
-        return 0j
-    centred = time_s - time_s.mean()
-    return complex((centred * rho).sum() / (centred**2).sum())
-
-
-def _bases(alive: np.ndarray, knot_s: FloatArray) -> tuple[FloatArray, np.ndarray, FloatArray]:
-    """Return an orthonormal basis over each track's bins: mean, line, the rest."""
-    tracks, count = alive.shape
-    basis, used, spread = np.zeros((tracks, count, count)), np.zeros((tracks, count), dtype=bool), np.zeros(tracks)
-    for i, row in enumerate(alive):
-        bins = np.flatnonzero(row)
-        powers = np.vander(knot_s[bins] - knot_s[bins].mean(), len(bins), increasing=True) / 10.0 ** np.arange(
-            len(bins)
-        )
-        q, r = np.linalg.qr(powers)
-        basis[i, : len(bins), bins] = q * np.sign(np.diag(r))  # mean and line point forward
-        used[i, : len(bins)] = True
-        spread[i] = ((knot_s[bins] - knot_s[bins].mean()) ** 2).sum()
-    return basis, used, spread
 
 
 def _variances(

@@ -55,12 +55,11 @@ def _votes_at(field: WindowField, shape: Knots, knot: int) -> tuple[ComplexArray
     a, b = index.first[entry].astype(np.int64), index.second[entry].astype(np.int64)
     turn = (flat.z[b] - flat.z[a]) * np.conj(seen[j] - seen[i])
     turn /= np.abs(turn)
-    turn, a, b = np.concatenate([turn, -turn]), np.concatenate([a, b]), np.concatenate([b, a])
-    i, j = np.concatenate([i, i]), np.concatenate([j, j])
     fits = _moves_alike(field, live, shape, knot, (i, j, a, b), turn)
     turn, i, j, a, b = turn[fits], i[fits], j[fits], a[fits], b[fits]
-    p = 0.5 * (flat.z[a] + flat.z[b]) - turn * 0.5 * (seen[i] + seen[j])
-    return p, np.angle(turn)
+    middle, lever = 0.5 * (flat.z[a] + flat.z[b]), turn * 0.5 * (seen[i] + seen[j])
+    p = np.concatenate([middle - lever, middle + lever])  # either target may be either mark
+    return p, np.angle(np.concatenate([turn, -turn]))
 
 
 def _at_knot(flat: Scene, live: IntArray, rho: ComplexArray, z: ComplexArray) -> Scene:
@@ -83,7 +82,7 @@ def _candidates(index: PairIndex, pairs: RadarPairs, field: WindowField) -> tupl
 def _moves_alike(
     field: WindowField, live: IntArray, shape: Knots, knot: int, who: tuple[IntArray, ...], turn: ComplexArray
 ) -> np.ndarray:
-    """Tell which votes (v,) pass the gate of the difference velocity."""
+    """Tell which votes (v,) pass the gate of the difference velocity: it is the same with the marks exchanged."""
     scene, model = field.scene, field.model
     i, j, a, b = who
     if scene.knots == 1:
