@@ -38,10 +38,11 @@ class Scene:
     epochs: tuple[Epoch, ...]
     truth: TruthTrack
 
-    def changed(self, change: Change, *, after_s: float = 0.0) -> Scene:
-        """Return the scene with a change of every epoch from ``after_s`` on."""
+    def changed(self, change: Change, *, after_s: float = 0.0, for_s: float = math.inf) -> Scene:
+        """Return the scene with a change of every epoch from ``after_s`` on, ``for_s`` seconds long."""
         begin_s = epoch_time(self.epochs[0]) + after_s
-        return replace(self, epochs=tuple(change(e) if epoch_time(e) >= begin_s else e for e in self.epochs))
+        seen = [begin_s <= epoch_time(e) < begin_s + for_s for e in self.epochs]
+        return replace(self, epochs=tuple(change(e) if hit else e for e, hit in zip(self.epochs, seen, strict=True)))
 
     def later(self, after_s: float) -> Scene:
         """Return the scene without what comes before ``after_s``: a restart."""
@@ -59,8 +60,13 @@ def scene(
     lon_deg: float = 12.0,
     duration_s: float = 240.0,
     gyro: bool = False,
+    turn_degps: float = 0.0,
 ) -> Scene:
-    """Return own ship among ``ships`` with AIS and ``dumb`` echoes without, in radar range of 6 NM."""
+    """Return own ship among ``ships`` with AIS and ``dumb`` echoes without, in radar range of 6 NM.
+
+    With ``turn_degps`` she alters course by 90 degrees after 110 s, as fast as that.
+    """
+    turn = {"turn_at_s": 110.0, "turn_deg": 90.0, "turn_rate_deg_per_min": 60.0 * turn_degps} if turn_degps else {}
     content: dict[str, Any] = {
         "title": "Among ships",
         "source": "made up",
@@ -68,7 +74,7 @@ def scene(
         "duration_s": duration_s,
         "lat_deg": lat_deg,
         "lon_deg": lon_deg,
-        "own": {"speed_mps": 5.0, "course_deg": float(37 * seed % 360), "yaw_deg": 1.0},
+        "own": {"speed_mps": 5.0, "course_deg": float(37 * seed % 360), "yaw_deg": 1.0, **turn},
         "traffic": [
             {"layout": "uniform", "count": ships, "radius_m": 10000.0, "inner_radius_m": 900.0, "hull_min_m": 40.0},
             {"layout": "uniform", "count": 12, "radius_m": 30000.0, "inner_radius_m": 12000.0},
@@ -111,6 +117,26 @@ def swap_numbers(epoch: Epoch) -> Epoch:
     return replace(epoch, targets=tuple(replace(t, label=turned[t.label]) for t in epoch.targets))
 
 
+def renumber(epoch: Epoch) -> Epoch:
+    """Give all targets other numbers from the same hundred: the tracker was started again."""
+    anew = {t.label: f"{(37 * int(t.label) + 11) % 100:02d}" for t in epoch.targets}
+    return replace(epoch, targets=tuple(replace(t, label=anew[t.label]) for t in epoch.targets))
+
+
+def lose_echoes(share: float) -> Change:
+    """Lose a share of the echoes, always the same ones: rain, or another range scale; 1 is a radar that is off."""
+
+    def change(epoch: Epoch) -> Epoch:
+        return replace(epoch, targets=tuple(t for t in epoch.targets if _draw(t.label) >= share))
+
+    return change
+
+
+def silence(epoch: Epoch) -> Epoch:
+    """Hear no AIS at all."""
+    return replace(epoch, marks=())
+
+
 def gyro_off(truth: TruthTrack, off_deg: float) -> Change:
     """Let a gyro be in the log that is off by so much."""
 
@@ -151,11 +177,15 @@ def _draw(label: str) -> float:
 
 @dataclass
 class Told:
-    """What a navigator gave out over a scene; ``expected_wrong`` is the sum of the doubts that were stated."""
+    """What a navigator gave out over a scene; ``expected_wrong`` is the sum of the doubts that were stated.
+
+    ``inside`` counts the fixes whose 95 % ellipse holds the truth.
+    """
 
     steps: int = 0
     fixes: int = 0
     wrong: int = 0
+    inside: int = 0
     worst_m: float = 0.0
     longest_wrong_s: float = 0.0
     expected_wrong: float = 0.0
@@ -179,7 +209,9 @@ def tell(found: Scene, navigator: Navigator | None = None, *, step_s: float = ST
         if outcome.fix is not None:
             there = found.truth.at(now_s)
             assert there is not None
-            error_m = inverse(there.position, outcome.fix.position)[0]
+            error_m, azimuth_deg = inverse(outcome.fix.position, there.position)
+            azimuth = math.radians(azimuth_deg)
+            told.inside += outcome.fix.ellipse(0.95).holds(error_m * math.cos(azimuth), error_m * math.sin(azimuth))
             stated = 1.0 if outcome.track.probability_wrong is None else outcome.track.probability_wrong
             told.fixes += 1
             told.expected_wrong += stated

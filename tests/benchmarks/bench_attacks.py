@@ -26,6 +26,16 @@ def _changed(change: hostile.Change, after_s: float = 100.0) -> Attack:
     return lambda seed: tell(hostile.scene(seed).changed(change, after_s=after_s))
 
 
+def _for_a_while(change: hostile.Change, for_s: float) -> Attack:
+    return lambda seed: tell(hostile.scene(seed).changed(change, after_s=100.0, for_s=for_s))
+
+
+def _radar_off(seed: int) -> Told:
+    """Switch the radar off for 40 s; its tracker begins anew."""
+    found = hostile.scene(seed).changed(hostile.renumber, after_s=100.0)
+    return tell(found.changed(hostile.lose_echoes(1.0), after_s=100.0, for_s=40.0))
+
+
 def _wrong_state(believed: bool) -> Attack:
     def attack(seed: int) -> Told:
         found = hostile.scene(seed)
@@ -59,23 +69,31 @@ ATTACKS: dict[str, Attack] = {
     "at 80 N": lambda seed: tell(hostile.scene(seed, lat_deg=80.0)),
     "sparse: 3 ships, 12 other echoes": lambda seed: tell(hostile.scene(seed, ships=3, dumb=12)),
     "gyro 90 deg off": _gyro(90.0),
+    "tracker restarts": _changed(hostile.renumber),
+    "radar off for 40 s": _radar_off,
+    "half of the echoes lost for 40 s": _for_a_while(hostile.lose_echoes(0.5), 40.0),
+    "no AIS for 60 s": _for_a_while(hostile.silence, 60.0),
+    "own ship turns by 90 deg, 1 deg/s": lambda seed: tell(hostile.scene(seed, turn_degps=1.0)),
+    "own ship turns by 90 deg, 3 deg/s": lambda seed: tell(hostile.scene(seed, turn_degps=3.0)),
 }
 HEAD = (
-    "| attack | runs | steps | fixes | wrong > 500 m | stated | longest wrong hold s | worst m | least doubt if wrong |"
+    "| attack | runs | steps | fixes | ellipse holds % | wrong > 500 m | stated | longest wrong hold s | worst m "
+    "| least doubt if wrong |"
 )
 
 
-def rows(seeds: range) -> Iterator[str]:
-    """Yield the rows of the table."""
+def rows(seeds: range, only: str = "") -> Iterator[str]:
+    """Yield the rows of the table, of the attacks whose name holds ``only``."""
     yield HEAD
     yield "|---" * HEAD.count(" |") + "|"
-    for name, attack in ATTACKS.items():
+    for name, attack in ((name, attack) for name, attack in ATTACKS.items() if only in name):
         told = [attack(seed) for seed in seeds]
         hostile.scene.cache_clear()
-        wrong = sum(t.wrong for t in told)
+        wrong, fixes = sum(t.wrong for t in told), sum(t.fixes for t in told)
+        held = f"{100.0 * sum(t.inside for t in told) / fixes:.0f}" if fixes else "-"
         least = f"{min(t.surest_wrong for t in told):.3f}" if wrong else "-"
         yield (
-            f"| {name} | {len(told)} | {sum(t.steps for t in told)} | {sum(t.fixes for t in told)} | {wrong} "
+            f"| {name} | {len(told)} | {sum(t.steps for t in told)} | {fixes} | {held} | {wrong} "
             f"| {sum(t.expected_wrong for t in told):.1f} | {hostile.longest_wrong_s(told):.0f} "
             f"| {max(t.worst_m for t in told):.0f} | {least} |"
         )
@@ -86,8 +104,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seeds", type=int, default=1, help="runs of each attack")
     parser.add_argument("--first", type=int, default=6000, help="the first seed")
+    parser.add_argument("--only", default="", help="attacks whose name holds this")
     args = parser.parse_args()
-    for row in rows(range(args.first, args.first + args.seeds)):
+    for row in rows(range(args.first, args.first + args.seeds), args.only):
         print(row, flush=True)
 
 

@@ -66,6 +66,13 @@ def test_sparse_traffic_gives_nothing_wrong():
     assert told.wrong == 0
 
 
+def test_a_restart_of_the_tracker_costs_no_fix():
+    told = hostile.tell(hostile.scene(6001).changed(hostile.renumber, after_s=100.0))
+    assert told.fixes >= told.steps - 3
+    assert told.wrong == 0
+    assert told.worst_m < 150.0
+
+
 def test_a_gyro_90_deg_off_moves_nothing():
     scene = hostile.scene(8, duration_s=100.0)
     told = hostile.tell(scene.changed(hostile.gyro_off(scene.truth, 90.0)))

@@ -46,14 +46,19 @@ def turn_between(before: Scan, now: Scan, model: WindowModel) -> float:
     """Return the angle [rad] by which own ship turned between two scans, 0 where they do not tell.
 
     The range-weighted median of the bearing changes of the targets that both scans number alike: a far target's bearing
-    changes by own yaw alone. A number whose range has changed by more than any ship sails stands for something else;
-    where most do, the angle is the one that lays most echoes of one scan on the other's.
+    changes by own yaw alone. A number whose range has changed by more than any ship sails stands for something else.
+    Where less than half of the numbers agree on an angle, it is the one that lays most echoes of a scan on the other's.
     """
     shared = [label for label in now if label in before]
     was, new = _reports(before, shared), _reports(now, shared)
-    kept = np.abs(new[:, 1] - was[:, 1]) <= _farthest_m(new[:, 0] - was[:, 0], model)
-    if shared and 2 * np.count_nonzero(kept) >= len(shared):
-        return _weighted_median(wrap_pi(was[kept, 2] - new[kept, 2]), new[kept, 1])
+    farthest_m = _farthest_m(new[:, 0] - was[:, 0], model)
+    kept = np.abs(new[:, 1] - was[:, 1]) <= farthest_m
+    if np.any(kept):
+        change = wrap_pi(was[kept, 2] - new[kept, 2])
+        angle = _weighted_median(change, new[kept, 1])
+        agree = np.abs(wrap_pi(change - angle)) <= _VOTE_RAD + farthest_m[kept] / np.maximum(new[kept, 1], 1.0)
+        if 2 * np.count_nonzero(agree) >= len(shared):
+            return angle
     return _laid_over(_reports(before, list(before)), _reports(now, list(now)), model)
 
 
