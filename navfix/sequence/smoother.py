@@ -10,7 +10,7 @@ import numpy as np
 
 from navfix import catalog
 from navfix.adjustment.window import Solved, solve_window
-from navfix.adjustment.window.problem import sightings_of, times_of
+from navfix.adjustment.window.problem import times_of
 from navfix.adjustment.window.record import fix_of
 from navfix.catalog import AdjustmentModel, OwnMotionModel, RadarModel, own_motion_model, radar_model
 from navfix.errors import InputError, NoFix
@@ -126,7 +126,7 @@ def _smoothed(
             solved = solve_window(members, own, start=start, radar=radar, kernel=kernel, model=model, solver="dense")
         except NoFix:
             continue
-        for index, fix in enumerate(_fixes(members, own, solved, kernel)):
+        for index, fix in enumerate(_fixes(members, solved, kernel)):
             yield part.start + lower + index, fix
 
 
@@ -195,10 +195,9 @@ def _headings(epochs: Sequence[Epoch], at: np.ndarray, fixes: Sequence[Fix]) -> 
     return found
 
 
-def _fixes(epochs: Sequence[Epoch], pairs: list[Labels], solved: Solved, kernel: Kernel) -> Iterator[Fix]:
-    sightings = sightings_of(epochs, pairs)
+def _fixes(epochs: Sequence[Epoch], solved: Solved, kernel: Kernel) -> Iterator[Fix]:
     for index in range(len(epochs)):
         block = slice(3 * index, 3 * index + 3)
         cofactor = solved.found.cofactor[block, block]
-        fix = fix_of(epochs, sightings, solved.window, solved.found, cofactor, kernel, solved.solver, at=index)
+        fix = fix_of(epochs, solved.sightings, solved.window, solved.found, cofactor, kernel, solved.solver, at=index)
         yield replace(fix, start="smoother")

@@ -35,8 +35,12 @@ _AGREE = 1e-4  # sigma: how well the two roads must agree
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solved:
-    """A window where it was solved: ``found`` with the whole state, ``cofactor`` (3, 3) of the newest pose."""
+    """A window where it was solved: ``found`` with the whole state, ``cofactor`` (3, 3) of the newest pose.
 
+    ``sightings`` are those that the pairs named, ``solver`` the road that stands: "gtsam" or "dense".
+    """
+
+    sightings: Sequence[Sighting]
     window: Window
     found: Judged
     cofactor: FloatArray
@@ -102,9 +106,7 @@ def adjust_window(
         epochs, pairs, start=start, radar=radar, kernel=kernel, damping=damping, model=model,
         compass_sigma_deg=compass_sigma_deg, prior=prior, solver=solver,
     )  # fmt: skip
-    return fix_of(
-        epochs, sightings_of(epochs, pairs), solved.window, solved.found, solved.cofactor, kernel, solved.solver
-    )
+    return fix_of(epochs, solved.sightings, solved.window, solved.found, solved.cofactor, kernel, solved.solver)
 
 
 def solve_window(
@@ -139,7 +141,8 @@ def solve_window(
     check(damper, descended)
     found = with_components(damper, descended)
     check(found.damper, found.descended)
-    return _finished(window, found, solver)
+    found, cofactor, road = _finished(window, found, solver)
+    return Solved(sightings, window, found, cofactor, road)
 
 
 def _given(
@@ -196,17 +199,17 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
     return damper, descend(damper, descended.state, tolerance=COARSE)
 
 
-def _finished(window: Window, found: Judged, solver: Solver) -> Solved:
+def _finished(window: Window, found: Judged, solver: Solver) -> tuple[Judged, FloatArray, str]:
     """Solve once more as a factor graph and check that it is the same place; else our own road stands."""
     layout, state = found.damper.plan.layout, found.descended.state
     newest = layout.newest()
     own = found.cofactor[newest, newest]
     check_rank(window, state[newest], own)
     if solver == "dense" or (solver == "auto" and (not available() or layout.size > DENSE_BELOW)):
-        return Solved(window, found, own, "dense")
+        return found, own, "dense"
     graph, there = window_graph.solve(found.damper, state)
     off = there[newest] - state[newest]
     off[2] = wrap_pi(off[2])
     if float(off @ np.linalg.solve(own, off)) > _AGREE**2:
-        return Solved(window, found, own, "dense")
-    return Solved(window, replace(found, descended=replace(found.descended, state=there)), graph.cofactor, "gtsam")
+        return found, own, "dense"
+    return replace(found, descended=replace(found.descended, state=there)), graph.cofactor, "gtsam"

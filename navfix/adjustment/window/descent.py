@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from navfix.adjustment.window.rows import Plan, Rows
+from navfix.adjustment.window.rows import PAIRS, Plan, Rows
 from navfix.errors import Unobservable
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
@@ -17,6 +17,7 @@ ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-6  # sigma: the last step of a descent
 _ITERATIONS = 40
 _LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
 _SMALLEST, _LARGEST = 1e-9, 1e9
+_ONCE = np.where(PAIRS[0] == PAIRS[1], 0.5, 1.0)[:, None]  # a square is in both halves of the normal matrix
 _STANDS_STILL = 1e-6  # sigma: a step as short as this that does not help is one of rounding
 
 
@@ -87,16 +88,17 @@ class Damper:
 def normal_of(damper: Damper, rows: Rows, weights: Weights) -> tuple[Any, FloatArray]:
     """Return A'WA and A'Wv of rows with their weights; A'WA is dense for few unknowns and sparse for many."""
     size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
-    products = (rows.values[:, :, None] * weighted[:, None, :]).ravel()
-    columns = rows.columns.ravel()
-    gradient = np.bincount(columns, (weighted * rows.residual[:, None]).ravel(), size)
-    matrix: Any
+    gradient = np.bincount(rows.columns.ravel(), (weighted * rows.residual[:, None]).ravel(), size)
+    left, right = np.ascontiguousarray(rows.values.T), np.ascontiguousarray(weighted.T)
+    products = (left[PAIRS[0]] * right[PAIRS[1]] * _ONCE).ravel()
+    half: Any
     if size < DENSE_BELOW:
-        matrix = np.bincount(damper.plan.place, products, size * size).reshape(size, size)
+        half = np.bincount(damper.plan.place, products, size * size).reshape(size, size)
     else:
         from scipy.sparse import coo_matrix
 
-        matrix = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
+        half = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
+    matrix = half + half.T
     return matrix, np.asarray(gradient, np.float64)
 
 

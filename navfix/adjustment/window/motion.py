@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,19 +18,47 @@ _TURN, _MOVE, _GIVEN = 5, 6, 7  # variance components, as in `rows`
 _WIDTH = 8
 
 
-def motion_rows(window: Window, layout: Layout, state: FloatArray) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
-    """Return residuals (m,), columns (m, 8), derivatives (m, 8) in units of sigma, and the components (m,)."""
-    parts = [
-        (*_turns(window, layout, state), _TURN),
-        (*_by_log(window, layout, state), _MOVE),
-        (*_by_inertia(window, layout, state), _MOVE),
-        (*_first_speed(window, layout, state), _GIVEN),
-        (*_unseen_heading(window, layout, state), _GIVEN),
-        (*known_pose_rows(window, layout, state, _WIDTH), _GIVEN),
-    ]
-    component = np.concatenate([np.full(len(part[0]), part[3]) for part in parts])
-    residual, columns, values = (np.concatenate([part[i] for part in parts]) for i in range(3))
-    return residual, columns, values, component
+@dataclass(frozen=True, slots=True, eq=False)
+class _Linear:
+    """Rows that are linear in the unknowns: residual = values . unknowns - offset, less whole turns of ``turn``."""
+
+    columns: IntArray
+    values: FloatArray
+    offset: FloatArray
+    turn: FloatArray
+    component: int
+
+    def residual(self, state: FloatArray) -> FloatArray:
+        off = np.einsum("rc,rc->r", self.values, state[self.columns]) - self.offset
+        return np.asarray(off - self.turn * np.round(off / np.where(self.turn > 0.0, self.turn, np.inf)))
+
+
+class OwnMotion:
+    """The rows of own ship's motion: those that are linear are made once for a window, the others at every state."""
+
+    def __init__(self, window: Window, layout: Layout) -> None:
+        self._window, self._layout = window, layout
+        self._logged = np.flatnonzero(logged(window))
+        self._linear = [_turns(window), _by_inertia(window), _first_speed(window)]
+        parts = self._others(np.zeros(layout.size))
+        self.columns = np.concatenate([*(part.columns for part in self._linear), *(part[1] for part in parts)])
+        sorts = [(len(part.offset), part.component) for part in self._linear]
+        sorts += [(len(part[0]), sort) for part, sort in zip(parts, (_MOVE, _GIVEN, _GIVEN), strict=True)]
+        self.component = np.repeat([sort for _, sort in sorts], [count for count, _ in sorts])
+
+    def rows(self, state: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return residuals (m,) and derivatives (m, 8) in units of sigma."""
+        parts = self._others(state)
+        residual = np.concatenate([*(part.residual(state) for part in self._linear), *(part[0] for part in parts)])
+        return residual, np.concatenate([*(part.values for part in self._linear), *(part[2] for part in parts)])
+
+    def _others(self, state: FloatArray) -> list[Part]:
+        window, layout = self._window, self._layout
+        return [
+            _by_log(window, layout, self._logged, state),
+            _unseen_heading(window, layout, state),
+            known_pose_rows(window, layout, state, _WIDTH),
+        ]
 
 
 def logged(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
@@ -44,7 +73,7 @@ def _connected(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]
     return np.asarray(np.diff(window.time_s) <= window.model.longest_step_s)
 
 
-def _turns(window: Window, layout: Layout, state: FloatArray) -> Part:
+def _turns(window: Window) -> _Linear:
     """The turn of a step: that of the gyro, whose constant error cancels, else a walk about none; eq. (10.4)."""
     model, step_s = window.model, np.diff(window.time_s)
     turned = gyro_steps(window)
@@ -52,19 +81,17 @@ def _turns(window: Window, layout: Layout, state: FloatArray) -> Part:
     walk_rad = math.radians(model.heading_walk_deg) * np.sqrt(step_s / model.walk_time_s)
     gyro_rad = math.radians(model.gyro_step_sigma_deg) * np.ones_like(step_s)
     sigma = np.where(told, np.minimum(gyro_rad, np.hypot(walk_rad, gyro_rad)), walk_rad)
-    heading = layout.poses(state)[:, 2]
-    v = wrap_pi(np.diff(heading) - np.where(told, turned, 0.0)) / sigma
     at = 3 * np.arange(len(step_s)) + 2
     columns, values = _empty(len(step_s))
     columns[:, 0], columns[:, 1] = at, at + 3
     values[:, 0], values[:, 1] = -1.0 / sigma, 1.0 / sigma
     use = _connected(window)
-    return v[use], columns[use], values[use]
+    offset = np.where(told, turned, 0.0) / sigma
+    return _Linear(columns[use], values[use], offset[use], (2.0 * math.pi / sigma)[use], _TURN)
 
 
-def _by_log(window: Window, layout: Layout, state: FloatArray) -> Part:
+def _by_log(window: Window, layout: Layout, use: IntArray, state: FloatArray) -> Part:
     """Displacement = speed by log along the heading + current; eq. (10.5). The current is an unknown of the window."""
-    use = np.flatnonzero(logged(window))
     if not len(use):
         return np.zeros(0), *_empty(0)
     poses, step_s = layout.poses(state), np.diff(window.time_s)[use]
@@ -91,41 +118,35 @@ def _by_log(window: Window, layout: Layout, state: FloatArray) -> Part:
     return _joined(parts)
 
 
-def _by_inertia(window: Window, layout: Layout, state: FloatArray) -> Part:
+def _by_inertia(window: Window) -> _Linear:
     """Without a log the velocity wanders: its change over three epochs is that of a Wiener process; eq. (10.6)."""
     model, step_s, joined = window.model, np.diff(window.time_s), _connected(window)
     by_log = logged(window)
     use = np.flatnonzero(joined[1:] & joined[:-1] & ~(by_log[1:] & by_log[:-1]))
-    if not len(use):
-        return np.zeros(0), *_empty(0)
     before, after = step_s[use], step_s[use + 1]
     sigma = model.velocity_walk_mps * np.sqrt((before + after) / (3.0 * model.walk_time_s))
-    poses, parts = layout.poses(state), []
+    columns, values = _empty(2 * len(use))
     for axis in (0, 1):
-        p = poses[:, axis]
-        v = ((p[use + 2] - p[use + 1]) / after - (p[use + 1] - p[use]) / before) / sigma
-        columns, values = _empty(len(use))
+        rows = slice(axis * len(use), (axis + 1) * len(use))
         for place, factor in ((0, 1.0 / before), (1, -1.0 / before - 1.0 / after), (2, 1.0 / after)):
-            columns[:, place] = 3 * (use + place) + axis
-            values[:, place] = factor / sigma
-        parts.append((v, columns, values))
-    return _joined(parts)
+            columns[rows, place] = 3 * (use + place) + axis
+            values[rows, place] = factor / sigma
+    return _unbiased(columns, values, _MOVE)
 
 
-def _first_speed(window: Window, layout: Layout, state: FloatArray) -> Part:
+def _first_speed(window: Window) -> _Linear:
     """A ship's speed is known beforehand within the fastest of ships: one row per axis where no log tells it."""
-    step_s = np.diff(window.time_s)
     use = np.flatnonzero(_connected(window) & ~logged(window))[:1]
-    if not len(use):
-        return np.zeros(0), *_empty(0)
-    poses, parts = layout.poses(state), []
-    for axis in (0, 1):
-        per = 1.0 / (step_s[use] * window.model.own_speed_sigma_mps)
-        columns, values = _empty(len(use))
-        columns[:, 0], columns[:, 1] = 3 * use + axis, 3 * use + 3 + axis
-        values[:, 0], values[:, 1] = -per, per
-        parts.append(((poses[use + 1, axis] - poses[use, axis]) * per, columns, values))
-    return _joined(parts)
+    per = 1.0 / (np.diff(window.time_s)[use] * window.model.own_speed_sigma_mps)
+    columns, values = _empty(2 * len(use))
+    for axis in range(2 * len(use)):
+        columns[axis, 0], columns[axis, 1] = 3 * use[0] + axis, 3 * use[0] + 3 + axis
+        values[axis, 0], values[axis, 1] = -per[0], per[0]
+    return _unbiased(columns, values, _GIVEN)
+
+
+def _unbiased(columns: IntArray, values: FloatArray, component: int) -> _Linear:
+    return _Linear(columns, values, np.zeros(len(columns)), np.zeros(len(columns)), component)
 
 
 def _unseen_heading(window: Window, layout: Layout, state: FloatArray) -> Part:

@@ -15,7 +15,6 @@ from navfix.adjustment.window.rows import (
     OFFSET,
     STEADY_BEARING,
     STEADY_RANGE,
-    radar_rows,
     radar_sigma,
 )
 from navfix.types import AdjustedObservation, FloatArray, ObservationKind
@@ -31,8 +30,8 @@ def track_observations(
     plan, state = found.damper.plan, found.descended.state
     bare = state.copy()
     bare[plan.layout.shared + 5 :] = 0.0
-    v, a = radar_rows(window, plan.layout, bare)
-    sigma = radar_sigma(window)
+    v, a = plan.sights.rows(bare)
+    sigma = plan.sights.sigma
     v, a = v.reshape(-1, 2) * sigma, a.reshape(-1, 2, a.shape[1]) * sigma[:, :, None]
     columns = plan.columns[plan.radar].reshape(-1, 2, a.shape[2])
     _, weights = found.damper.judge(found.damper.rows(state).residual)

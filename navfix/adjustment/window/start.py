@@ -119,11 +119,17 @@ def _from_marks(
         sight = place - pose[:2]
         if np.any(relative) and len(here) >= 2:
             off = wrap_pi(np.arctan2(sight[:, 1], sight[:, 0]) - value[:, 1] - pose[2])
-            pose[2] += float(np.median(off[relative]))
+            pose[2] += float(_median(off[relative]))
         direction = value[:, 1] + np.where(relative, pose[2], 0.0)
         own = place - value[:, :1] * np.column_stack([np.cos(direction), np.sin(direction)])
-        pose[:2] = np.median(own, axis=0)
+        pose[:2] = _median(own)
     return pose
+
+
+def _median(values: FloatArray) -> FloatArray:
+    """Return the median along the first axis; numpy's own takes ten times as long for so few."""
+    ordered, count = np.sort(values, axis=0), len(values)
+    return np.asarray(0.5 * (ordered[(count - 1) // 2] + ordered[count // 2]))
 
 
 def plane_pose(plane: LocalPlane, pose: Pose) -> FloatArray:
