@@ -193,6 +193,8 @@ def ports(args: argparse.Namespace) -> None:
     for seed in range(args.seeds):
         for share, targets in sequence_controls.PORTS:
             run = scenes.port(100 + seed, ais_share=share, targets=targets, duration_s=600.0)
+            if args.gyro != "none":
+                run = scenes.with_gyro(run, scenes.gyro_error_deg(args.gyro, seed), seed)
             tally = navigated(run)
             tally.name = f"{run.name}, {targets} echoes{tally.told()}"
             print(tally.row(), flush=True)
@@ -200,7 +202,7 @@ def ports(args: argparse.Namespace) -> None:
 
 def controls(args: argparse.Namespace) -> None:
     """Radar of one place with the AIS of another: nothing right exists, whatever is accepted is wrong."""
-    sequence_controls.controls(hours=args.hours, first=args.first, runs=args.runs, results=args.results)
+    sequence_controls.controls(hours=args.hours, first=args.first, runs=args.runs, results=args.results, gyro=args.gyro)
 
 
 def measured(names: Sequence[str] = scenes.MEASURED) -> Iterator[scenes.Run]:
@@ -221,6 +223,9 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0, help="number of the first negative control")
     parser.add_argument("--runs", type=int, help="how many negative controls at most")
     parser.add_argument("--results", type=Path, help="file that keeps the negative controls done so far")
+    parser.add_argument(
+        "--gyro", choices=("none", "right", "wrong"), default="none", help="own gyro in the ports and controls"
+    )
     parser.add_argument("--seeds", type=int, default=1, help="of simulated ports")
     parser.add_argument("--step", type=float, default=20.0, help="seconds between cold windows")
     parser.add_argument("--restart", type=float, default=120.0, help="seconds between restarts, 0 for none")

@@ -106,13 +106,15 @@ def control_runs() -> Iterator[tuple[str, str]]:
         seed += 2
 
 
-def make_run(radar: str, ais: str) -> scenes.Run:
-    """Return the radar of one place with the AIS of another by their names."""
-    parts = [_port(int(name[5:])) if name.startswith("port:") else _measured(name) for name in (radar, ais)]
-    return scenes.foreign(*parts)
+def make_run(radar: str, ais: str, *, gyro: str = "none", seed: int = 0) -> scenes.Run:
+    """Return the radar of one place with the AIS of another by their names; with a ``gyro`` beside the radar."""
+    seen, heard = (_port(int(name[5:])) if name.startswith("port:") else _measured(name) for name in (radar, ais))
+    if gyro != "none":
+        seen = scenes.with_gyro(seen, scenes.gyro_error_deg(gyro, seed), seed)
+    return scenes.foreign(seen, heard)
 
 
-def controls(*, hours: float, first: int, runs: int | None, results: Path | None) -> None:
+def controls(*, hours: float, first: int, runs: int | None, results: Path | None, gyro: str = "none") -> None:
     """Do the runs from ``first`` on until there are so many or they hold so many hours, and print what they say."""
     known = {} if results is None or not results.exists() else _read(results)
     done: list[Control] = []
@@ -121,9 +123,9 @@ def controls(*, hours: float, first: int, runs: int | None, results: Path | None
             continue
         if sum(c.hours for c in done) >= hours or (runs is not None and number >= first + runs):
             break
-        name = f"{Path(radar).name}+{Path(ais).name}"
+        name = f"{Path(radar).name}+{Path(ais).name}" + ("" if gyro == "none" else f", gyro {gyro}")
         if name not in known:
-            known[name] = run_control(make_run(radar, ais))
+            known[name] = run_control(make_run(radar, ais, gyro=gyro, seed=number))
             known[name].name = name
             if results is not None:
                 with results.open("a") as lines:

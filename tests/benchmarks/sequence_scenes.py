@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from navfix.nmea import read_log
-from navfix.nmea.records import AisPosition, AisStatic, Record, TargetReport
+from navfix.nmea.records import AisPosition, AisStatic, OwnHeading, Record, TargetReport
 from navfix.picture import epochs
 from navfix.report.truth import TruthTrack
 from navfix.simulation import scenario
@@ -55,8 +55,13 @@ def ais_alone(name: str) -> Run:
     return Run(Path(name).stem, tuple(read_log(SHARED / name, report=False).records))
 
 
-def port(seed: int, *, ais_share: float = 0.3, targets: int = 24, duration_s: float = 1200.0) -> Run:
-    """Return a simulated port: quays, an anchorage, a lane, small craft; ``ais_share`` of the echoes have a partner."""
+def port(
+    seed: int, *, ais_share: float = 0.3, targets: int = 24, duration_s: float = 1200.0, sensors: bool = False
+) -> Run:
+    """Return a simulated port: quays, an anchorage, a lane, small craft; ``ais_share`` of the echoes have a partner.
+
+    With ``sensors`` own ship has a gyro and a log.
+    """
     rng = np.random.default_rng(seed)
     common = max(3, round(ais_share * targets))
     quay = float(rng.uniform(0.0, 360.0))
@@ -85,9 +90,35 @@ def port(seed: int, *, ais_share: float = 0.3, targets: int = 24, duration_s: fl
             "false_per_turn": 0.05,
         },
     }
+    if sensors:
+        content["sensors"] = {"heading": "hdt", "heading_bias_deg": float(rng.normal()), "log": True}
     recording = scenario.simulate(scenario.from_table(content, name=f"port{seed}"), seed)
     track = TruthTrack.parse(truth_csv(recording).splitlines())
     return Run(f"port{seed}_{ais_share:g}", tuple(read_log(list(recording.lines), report=False).records), track)
+
+
+def with_gyro(run: Run, error_deg: float, seed: int = 0) -> Run:
+    """Return the run with a gyro that is ``error_deg`` off all the time, a heading a second; it needs a true track."""
+    if run.truth is None:
+        return run
+    rng = np.random.default_rng(seed)
+    headings = []
+    for time_s in np.arange(run.truth.times_s[0], run.truth.times_s[-1], 1.0):
+        there = run.truth.at(float(time_s))
+        if there is not None and there.heading_deg is not None:
+            heading_deg = (there.heading_deg + error_deg + 0.2 * float(rng.normal())) % 360.0
+            headings.append(OwnHeading(float(time_s), heading_deg, "true", "HDT"))
+    others = (r for r in run.records if not isinstance(r, OwnHeading) and r.time_s is not None)
+    records = sorted([*headings, *others], key=lambda r: r.time_s or 0.0)
+    return Run(run.name, tuple(records), run.truth)
+
+
+def gyro_error_deg(gyro: str, seed: int) -> float:
+    """Return the constant error of a gyro: a degree of a "right" one; of a "wrong" one 90 deg or anything above 10."""
+    rng = np.random.default_rng(9000 + seed)
+    if gyro == "right":
+        return float(rng.normal())
+    return (90.0, -90.0)[seed // 2 % 2] if seed % 2 else float(rng.uniform(10.0, 350.0))
 
 
 def _with_ais(targets: int, common: int, quay_deg: float) -> list[dict[str, Any]]:
