@@ -71,7 +71,10 @@ class BetweenFixes:
             return None
         return replace(self._now, doubt=_LAPSED) if track is not None and track.lapsed else self._now
 
-    def take(self, epoch: Epoch, fix: Fix) -> None:
-        """Take a fix that the navigator gives out; one that was only carried forward says nothing new."""
+    def take(self, epoch: Epoch, fix: Fix, velocity_mps: complex | None = None) -> None:
+        """Take a fix that the navigator gives out, with the velocity of its window over ground (north, east) [m/s].
+
+        A fix that was only carried forward says nothing new: it is not taken.
+        """
         self._true_bearings = fix.heading_deg is None
-        self._reckoner.take(epoch, fix)
+        self._reckoner.take(epoch, fix, velocity_mps)

@@ -64,22 +64,26 @@ class DeadReckoner:
         """Let the next fix begin a new track at once where it contradicts: it comes from another place than before."""
         self._doubted = True
 
-    def take(self, epoch: Epoch, fix: Fix) -> None:
+    def take(self, epoch: Epoch, fix: Fix, velocity_mps: complex | None = None) -> None:
         """Take the fix of an epoch that was carried to.
 
-        A fix that contradicts the track is left out once; the next one that does begins a new track.
+        A track that begins with it begins with its ``velocity_mps`` over ground (north, east), where that is told. A
+        fix that contradicts the track is left out once; the next one that does begins a new track.
         """
         at = epoch.time_utc
         if at is None or not isinstance(fix.position, Position):
             return
         if self._track is None:
-            self._track = begun(epoch, at, fix, self._motion)
+            self._track = begun(epoch, at, fix, self._motion, velocity_mps)
         else:
             after = updated(self._track, epoch, fix, at, self._motion)
             if after is None and not self._doubted:
                 self._doubted = True
                 return
-            self._track = begun(epoch, at, fix, self._motion) if after is None else log_found(after, epoch)
+            if after is None:
+                self._track = begun(epoch, at, fix, self._motion, velocity_mps)
+            else:
+                self._track = log_found(after, epoch)
         self._doubted = False
 
     def _answer(self, track: Reckoned) -> DeadReckoning | None:

@@ -23,11 +23,11 @@ from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
 from navfix.sequence.between_fixes import BetweenFixes
 from navfix.sequence.doubt import NOT_CHECKED
+from navfix.sequence.gyro_check import GyroCheck
 from navfix.sequence.outcome import Outcome
-from navfix.sequence.own_sensors import OwnSensors
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
-from navfix.types import Alternative, Epoch, Fix, TrackState, TrackStatus
+from navfix.types import Alternative, DeadReckoning, Epoch, Fix, TrackState, TrackStatus
 
 
 class Navigator:
@@ -45,7 +45,7 @@ class Navigator:
         self._track: Track | None = None
         self._last_cold_s = self._last_bank_s = -np.inf
         self._plain: Blind | None = None
-        self._sensors = OwnSensors(self.bank.yaw)
+        self._gyro = GyroCheck(self.bank.yaw)
         self._between = BetweenFixes()
         self._seen_s = -np.inf
 
@@ -88,8 +88,7 @@ class Navigator:
             )
         self._epochs.append(epoch)
         self.bank.yaw.feed(epoch)
-        self._sensors.feed(epoch)
-        self._between.carry(self._sensors.believed(epoch))
+        self._between.carry(self._gyro.believed(epoch))
         if self._track is not None and now_s - self._seen_s > self._model.unseen_s:
             self._track.drift_to(self._between.drifted(self._track.place_at(now_s)), now_s)
         if epoch.targets and epoch.marks:
@@ -119,10 +118,10 @@ class Navigator:
             status: TrackStatus = "conflict" if conflict else "cold"
             state = TrackState(status, score=self._belief.best_score)
             return Outcome(status, None, self._belief.reason, state, dead_reckoning=reckoned)
-        held = self._hold(now_s, blind) if seen else None
+        held = self._hold(now_s, blind, reckoned) if seen else None
         outcome = replace(self._outcome(now_s, held), dead_reckoning=reckoned)
         if outcome.fix is not None and held is not None and not held.carried:
-            self._between.take(self._epochs[-1], outcome.fix)
+            self._between.take(self._epochs[-1], outcome.fix, held.place.velocity_mps)
         return outcome
 
     # ------------------------------------------------------------------------------------------------ blind solves
@@ -186,7 +185,7 @@ class Navigator:
 
     # ------------------------------------------------------------------------------------------------ the track
 
-    def _hold(self, now_s: float, blind: Joint | None) -> Held | None:
+    def _hold(self, now_s: float, blind: Joint | None, reckoned: DeadReckoning | None) -> Held | None:
         """Fix the newest epoch: blind where that is good enough and agrees, else with the prior of older data."""
         track = self._track
         assert track is not None
@@ -204,7 +203,7 @@ class Navigator:
         if length_s < self._model.shortest_window_s:
             if track.last is None:
                 return self._first_fix(now_s) if track.fresh else None
-            return track.carry(self._epochs[-1], now_s, self._sensors)
+            return track.carry(self._epochs[-1], now_s, reckoned)
         window = self._prepare(now_s, length_s)
         return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,15 +19,6 @@ from navfix.geodesy import LocalPlane, cloud_to_plane, ecef
 from navfix.sequence.yaw import YawLog
 from navfix.types import Epoch, FloatArray, Position
 from navfix.units import wrap_180
-
-
-@dataclass(frozen=True, slots=True)
-class Sailed:
-    """A way (north, east) [m, complex] and a turn [deg] to starboard; ``by`` says what told them."""
-
-    way_m: complex
-    turned_deg: float
-    by: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,17 +49,6 @@ class Place:
         turned_deg = 0.0 if self.yaw is None else self.yaw.between_deg(self.time_s, to_s)
         heading_deg = (self.heading_deg + turned_deg) % 360.0
         return Place(to_s, position, heading_deg, self.velocity_mps, self.covariance + grown, self.yaw)
-
-    def sailed(self, sailed: Sailed | None, to_s: float, model: NavigatorModel) -> Place:
-        """Return the place carried to another instant by own sensors, by its velocity where they do not say.
-
-        It becomes as much less sure as without them: nothing was counted that would allow less.
-        """
-        there = self.carried(to_s, model)
-        if sailed is None:
-            return there
-        position = LocalPlane(self.position).to_position(sailed.way_m.real, sailed.way_m.imag)
-        return replace(there, position=position, heading_deg=(self.heading_deg + sailed.turned_deg) % 360.0)
 
     def distance_m(self, other: Place) -> float:
         """Return how far another place of the same instant lies [m]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass, replace
 from datetime import datetime
@@ -37,20 +38,27 @@ class Reckoned:
     probability_wrong: float | None = None
 
 
-def begun(epoch: Epoch, at: datetime, fix: Fix, motion: OwnMotionModel) -> Reckoned:
-    """Return the track that begins with a fix: velocity or current unknown."""
+def begun(
+    epoch: Epoch, at: datetime, fix: Fix, motion: OwnMotionModel, velocity_mps: complex | None = None
+) -> Reckoned:
+    """Return the track that begins with a fix: velocity or current unknown, or as a window tells it [m/s]."""
     assert isinstance(fix.position, Position)
     log = epoch.speed_hint
     heading_deg, heading_var = heading_of(epoch, fix)
     by_log = log is not None and heading_deg is not None
     sigma_mps = motion.unknown_current_mps if by_log else motion.unknown_speed_mps
+    state = np.zeros(4)
+    if velocity_mps is not None:
+        through = _ahead(log.speed_mps, heading_deg) if log is not None and heading_deg is not None else 0j
+        state[2:] = (velocity_mps - through).real, (velocity_mps - through).imag
+        sigma_mps = min(sigma_mps, motion.window_velocity_mps)
     covariance = np.zeros((4, 4))
     covariance[:2, :2] = (1.0 - motion.steady_share) * fix.covariance[:2, :2]
     covariance[2, 2] = covariance[3, 3] = sigma_mps**2
     return Reckoned(
         plane=LocalPlane(fix.position),
         at=at,
-        state=np.zeros(4),
+        state=state,
         covariance=covariance,
         steady=motion.steady_share * fix.covariance[:2, :2],
         by_log=by_log,
@@ -68,8 +76,12 @@ def over_ground(track: Reckoned) -> complex:
     """Return the velocity over ground (north, east) [m/s, complex]: of the state, with the log where it has one."""
     velocity = complex(track.state[2], track.state[3])
     if track.by_log and track.log_mps is not None and track.heading_deg is not None:
-        velocity += track.log_mps * complex(np.exp(1j * math.radians(track.heading_deg)))
+        velocity += _ahead(track.log_mps, track.heading_deg)
     return velocity
+
+
+def _ahead(speed_mps: float, heading_deg: float) -> complex:
+    return cmath.rect(speed_mps, math.radians(heading_deg))
 
 
 def stated_of(fix: Fix) -> float | None:

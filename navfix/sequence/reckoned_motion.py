@@ -10,8 +10,7 @@ import numpy as np
 
 from navfix.catalog import OwnMotionModel
 from navfix.sequence.reckoned import Reckoned
-from navfix.sequence.sailing import through_water, turned, wandering
-from navfix.types import Epoch
+from navfix.types import Epoch, FloatArray
 from navfix.units import wrap_180, wrap_360
 
 
@@ -30,16 +29,18 @@ def carried(track: Reckoned, epoch: Epoch, at: datetime, motion: OwnMotionModel)
     )
     transition = np.eye(4)
     transition[0, 2] = transition[1, 3] = step_s
-    covariance = transition @ track.covariance @ transition.T + wandering(walk, step_s)
-    state = transition @ track.state
+    covariance = transition @ track.covariance @ transition.T + _wandering(walk, step_s)
+    state = track.state.copy()
+    if not track.by_log and not lost:  # the way over ground turns with the ship: half of it before she goes on
+        state[2:] = _turned(state[2:], 0.5 * turned_deg)
+    state = transition @ state
     log = epoch.speed_hint
     if not track.by_log and not lost:
-        way_over_ground = turned(complex(state[2], state[3]), turned_deg)  # it turns with the ship
-        state[2:] = way_over_ground.real, way_over_ground.imag
+        state[2:] = _turned(state[2:], 0.5 * turned_deg)
     if track.by_log and log is not None and track.log_mps is not None and track.heading_deg is not None:
-        run = through_water((track.log_mps, log.speed_mps), track.heading_deg, turned_deg, step_s)
-        state[:2] += run.real, run.imag
-        across = math.radians(math.sqrt(max(heading_var - track.heading_var, 0.0))) * np.array([-run.imag, run.real])
+        run = _through_water((track.log_mps, log.speed_mps), track.heading_deg, turned_deg, step_s)
+        state[:2] += run
+        across = math.radians(math.sqrt(max(heading_var - track.heading_var, 0.0))) * np.array([-run[1], run[0]])
         covariance[:2, :2] += np.outer(across, across) + (log.sigma_mps * step_s) ** 2 * np.eye(2)
     return replace(
         track,
@@ -52,6 +53,11 @@ def carried(track: Reckoned, epoch: Epoch, at: datetime, motion: OwnMotionModel)
         gyro_lost=lost,
         log_mps=track.log_mps if log is None else log.speed_mps,
     )
+
+
+def _turned(velocity: FloatArray, turned_deg: float) -> FloatArray:
+    c, s = math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg))
+    return np.array([c * velocity[0] - s * velocity[1], s * velocity[0] + c * velocity[1]])
 
 
 def _turn(
@@ -90,3 +96,15 @@ def log_found(track: Reckoned, epoch: Epoch) -> Reckoned:
     return replace(
         track, by_log=True, state=state, covariance=covariance, log_mps=log.speed_mps, log_sigma_mps=log.sigma_mps
     )
+
+
+def _through_water(log_mps: tuple[float, float], heading_deg: float, turned_deg: float, step_s: float) -> FloatArray:
+    """Return the way (north, east) [m] by the log at both ends of a step, along the heading in its middle."""
+    middle_rad = math.radians(heading_deg + 0.5 * turned_deg)
+    return 0.5 * sum(log_mps) * step_s * np.array([math.cos(middle_rad), math.sin(middle_rad)])
+
+
+def _wandering(walk: float, step_s: float) -> FloatArray:
+    """Return the covariance (4, 4) that a wandering velocity adds in a step; ``walk`` in (m/s)^2 per s: eq. (10.12)."""
+    axis = walk * np.array([[step_s**3 / 3.0, step_s**2 / 2.0], [step_s**2 / 2.0, step_s]])
+    return np.asarray(np.kron(axis, np.eye(2)), np.float64)

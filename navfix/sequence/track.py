@@ -18,10 +18,11 @@ from navfix.integrity import with_window_integrity
 from navfix.refinement import refined
 from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
-from navfix.sequence.own_sensors import OwnSensors
 from navfix.sequence.places import Place, as_known_pose, as_prior
 from navfix.sequence.protection import TrackProtection
-from navfix.types import Association, Epoch, Fix
+from navfix.types import Association, DeadReckoning, Epoch, Fix
+
+_BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ class Track:
         self.given_up = ""
         self.why_lapsed = ""
         self.last: Held | None = None
-        self.adrift = False
+        self.adrift = self._drifted = False
         self.fresh = True
 
     @property
@@ -83,7 +84,7 @@ class Track:
         few pairs always fit.
         """
         self._history = deque([self.place_at(now_s) if reckoned is None else reckoned])
-        self.last = None
+        self.last, self._drifted = None, True
         self.adrift = reckoned is None or reckoned.sigma_m > self._model.drift_m
 
     def lose_at(self, now_s: float) -> None:
@@ -129,8 +130,8 @@ class Track:
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         fix = refined(window.epochs, answer) if self._matched_now(answer, window, now_s) else None
-        if self.adrift:
-            self.adrift = False
+        if self._drifted:  # from here on the blind place is the prior, not dead reckoning
+            self.adrift = self._drifted = False
             self._history.clear()
         return self._take(Held(place, fix, answer.association, given_place, "blind"), now_s)
 
@@ -154,31 +155,31 @@ class Track:
             Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
 
-    def carry(self, epoch: Epoch, now_s: float, sensors: OwnSensors) -> Held | None:
+    def carry(self, epoch: Epoch, now_s: float, reckoned: DeadReckoning | None) -> Held | None:
         """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet.
 
-        Gyro and log lead where they were heard since, the velocity of the last window where not.
+        It goes on by dead reckoning: by log and gyro where they are heard, by the velocity of the last window else.
         """
         last = self.last
-        true = last is not None and last.fix is not None and last.fix.heading_deg is None  # then no heading is known
-        sailed = None if true else sensors.since(self._history[-1], now_s)
-        place = self._history[-1].sailed(sailed, now_s, self._model)
-        if last is None or last.fix is None:
+        if last is None or last.fix is None or reckoned is None:
             return None
-        size = len(last.fix.covariance)
-        covariance = last.fix.covariance + (place.covariance - last.place.covariance)[:size, :size]
+        fix, covariance = last.fix, last.fix.covariance.copy()
+        covariance[:2, :2] = reckoned.covariance
+        if fix.heading_deg is not None and reckoned.heading_sigma_deg is not None:
+            covariance[2, 2] = math.radians(reckoned.heading_sigma_deg) ** 2
+        by = _BY[reckoned.source]
         fix = replace(
-            last.fix,
-            position=place.position,
-            heading_deg=None if last.fix.heading_deg is None else place.heading_deg,
+            fix,
+            position=reckoned.position,
+            heading_deg=None if fix.heading_deg is None else reckoned.heading_deg,
             covariance=covariance,
-            cofactor_matrix=covariance / last.fix.sigma0**2,
+            cofactor_matrix=covariance / fix.sigma0**2,
             association=None,
             observations=(),
             epoch=epoch,
-            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s{f' by {sailed.by}' if sailed else ''}.",),
+            notes=(f"Carried forward by {now_s - last.place.time_s:.1f} s{by}.",),
         )
-        return Held(place, with_window_integrity(fix), None, last.evidence, "prior", carried=True)
+        return Held(last.place, with_window_integrity(fix), None, last.evidence, "prior", carried=True)
 
     def _matched_now(self, answer: associate.WindowAnswer, window: Window, now_s: float) -> bool:
         """Tell whether an echo that matches a mark is new enough: a fix by older ones would be dead reckoning."""

@@ -21,7 +21,7 @@ from navfix.report.truth import TruthTrack
 from navfix.sequence import Navigator, Outcome
 from navfix.sequence.places import Place
 from navfix.simulation import scenario
-from navfix.types import Epoch, HeadingHint, SpeedHint
+from navfix.types import Epoch, Fix, HeadingHint, SpeedHint
 
 LOGS = Path(__file__).resolve().parents[2] / "data" / "logs"
 STEP = 4  # scans: 10 s
@@ -181,7 +181,7 @@ def test_a_gyro_that_is_90_deg_off_is_found_out_and_moves_nothing():
     assert any("Check the compass" in caution for caution in answer.cautions)
 
 
-def test_true_bearings_hold_no_heading_that_a_log_could_lead_along():
+def test_true_bearings_are_carried_along_the_gyro_and_tell_no_heading():
     def turned(epoch: Epoch) -> Epoch:
         there = truth("approach").at(epoch.time_utc.timestamp())
         targets = (
@@ -191,27 +191,35 @@ def test_true_bearings_hold_no_heading_that_a_log_could_lead_along():
         hints = {"heading_hint": HeadingHint(there.heading_deg, 1.5), "speed_hint": SpeedHint(7.0, 0.1)}
         return replace(epoch, targets=tuple(targets), **hints)
 
-    navigator, notes = Navigator(), []
-    for epoch in map(turned, recorded("approach")[:16]):
-        navigator.feed(epoch)
-        outcome = navigator.step()
-        notes += [] if outcome.fix is None else outcome.fix.notes
-    carried = [note for note in notes if note.startswith("Carried forward by")]
+    outcomes = [outcome for _, outcome in every_scan(map(turned, recorded("approach")[:16]))]
+    carried = [outcome.fix for outcome in outcomes if outcome.fix is not None and was_carried(outcome.fix)]
     assert carried
-    assert not any("log" in note or "gyro" in note for note in carried)
+    assert all(fix.heading_deg is None and fix.covariance.shape == (2, 2) for fix in carried)
 
 
-def test_until_a_new_window_is_long_enough_the_place_goes_on_by_the_gyro():
-    def with_gyro(epoch: Epoch) -> Epoch:
+def test_until_a_new_window_is_long_enough_the_place_goes_on_by_the_log_and_a_gyro_that_is_90_deg_off():
+    def with_sensors(epoch: Epoch) -> Epoch:
         there = truth("approach").at(epoch.time_utc.timestamp())
-        return replace(epoch, heading_hint=HeadingHint((there.heading_deg + 90.0) % 360.0, 1.5))
+        hint = HeadingHint((there.heading_deg + 90.0) % 360.0, 1.5)
+        return replace(epoch, heading_hint=hint, speed_hint=SpeedHint(5.5, 0.1))
 
-    navigator, notes = Navigator(), []
-    for epoch in map(with_gyro, recorded("approach")[:16]):
+    outcomes = every_scan(map(with_sensors, recorded("approach")[:16]))
+    carried = [(epoch, o) for epoch, o in outcomes if o.fix is not None and was_carried(o.fix)]
+    assert carried
+    assert all("by log and gyro" in o.fix.notes[0] for _, o in carried)
+    assert errors_m(carried).max() <= 40.0
+
+
+def every_scan(scans: Iterable[Epoch]) -> list[tuple[Epoch, Outcome]]:
+    navigator, outcomes = Navigator(), []
+    for epoch in scans:
         navigator.feed(epoch)
-        outcome = navigator.step()
-        notes += [] if outcome.fix is None else outcome.fix.notes
-    assert any(note.startswith("Carried forward by") and note.endswith(" by gyro.") for note in notes)
+        outcomes.append((epoch, navigator.step()))
+    return outcomes
+
+
+def was_carried(fix: Fix) -> bool:
+    return any(note.startswith("Carried forward by") for note in fix.notes)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import replace
 
@@ -10,7 +11,7 @@ import pytest
 from navfix.catalog import own_motion_model
 from navfix.geodesy import LocalPlane, inverse
 from navfix.sequence.dead_reckoning import DeadReckoner
-from navfix.types import Position
+from navfix.types import DeadReckoning, Position
 from tests.reckoning_scenes import OWN, epoch_at, fix_at
 
 STEP_S = 3.0
@@ -96,3 +97,42 @@ def test_dead_reckoning_goes_on_across_the_date_line() -> None:
     assert found is not None
     assert LocalPlane(own).to_plane(found.position)[1] == pytest.approx(8.0 * 180.0, abs=40.0)
     assert found.position.lon_deg < -179.0
+
+
+CURRENT, LOG_MPS, TURN_DEGPS = 0.6 - 0.4j, 7.0, 2.0
+
+
+def way(to_s: float, current: complex) -> complex:
+    """Return the integral of the velocity in a turn from a heading of 30 deg."""
+    rate = math.radians(TURN_DEGPS)
+    circle = LOG_MPS * cmath.exp(1j * math.radians(30.0)) * (cmath.exp(1j * rate * to_s) - 1.0) / (1j * rate)
+    return circle + current * to_s
+
+
+def after_a_turn(error_deg: float, *, log: bool, current: complex) -> DeadReckoning:
+    """Return the dead reckoning 40 s after a fix whose window told the velocity, turning all the time."""
+    reckoner, found = DeadReckoner(), None
+    velocity = LOG_MPS * cmath.exp(1j * math.radians(30.0)) + current
+    for k in range(41):
+        heading_deg = 30.0 + TURN_DEGPS * k
+        epoch = epoch_at(float(k), gyro=(heading_deg + error_deg) % 360.0, log=LOG_MPS if log else None)
+        found = reckoner.carry(epoch)
+        if k == 0:
+            reckoner.take(epoch, fix_at(OWN, heading_deg), velocity)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("error_deg", [0.0, 90.0, -179.0])
+@pytest.mark.parametrize(("log", "current"), [(True, CURRENT), (False, 0j)])
+def test_from_the_first_fix_on_it_leads_through_a_turn_whatever_constant_error_the_gyro_has(
+    error_deg: float, log: bool, current: complex
+) -> None:
+    found = after_a_turn(error_deg, log=log, current=current)
+    true = way(40.0, current)
+    north_m, east_m = LocalPlane(OWN).to_plane(found.position).tolist()
+    assert math.hypot(north_m - true.real, east_m - true.imag) < 1.0
+    assert found.heading_deg == pytest.approx(110.0, abs=1e-6)
+    assert found.source == ("log_and_gyro" if log else "last_velocity")
+    sigma_m = math.sqrt(float(found.covariance[0, 0]))
+    assert 40.0 < sigma_m < 60.0, "the velocity of a window is known to 1 m/s"
