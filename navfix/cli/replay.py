@@ -221,7 +221,7 @@ def _navigator(args: argparse.Namespace) -> Navigator:
     model = navigator_model()
     if args.window is not None:
         model = replace(model, window_s=args.window, kept_s=max(model.kept_s, args.window + 5.0))
-    return Navigator(model=model)
+    return Navigator(model=model, radar=options.radar(args), kernel=args.kernel)
 
 
 def _write_veracity(path: Path, ships: tuple[ShipVeracity, ...]) -> None:

@@ -8,16 +8,21 @@ another place that is believed ends it; two believed places are none.
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
 
+from navfix.adjustment.window.prior import KnownPose
 from navfix.association.window import joint
+from navfix.association.window.associate import WindowAnswer
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.tracks import epoch_time
-from navfix.catalog import NavigatorModel, WindowModel, navigator_model, window_model
+from navfix.catalog import NavigatorModel, RadarModel, WindowModel, navigator_model, window_model
 from navfix.errors import InputError, TooFewPairs
+from navfix.kernels import Kernel
+from navfix.refinement import refined
 from navfix.sequence.acceptance import Blind, blind_of
 from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
@@ -36,9 +41,18 @@ class Navigator:
     Parameters
     ----------
     model, window : constants of the navigator and of its windows, by name or record
+    radar, kernel : of the adjustment of each window, as for `navfix.fix`
     """
 
-    def __init__(self, *, model: NavigatorModel | str = "default", window: WindowModel | str = "joint") -> None:
+    def __init__(
+        self,
+        *,
+        model: NavigatorModel | str = "default",
+        window: WindowModel | str = "joint",
+        radar: RadarModel | str = "imo",
+        kernel: Kernel | str = "hampel",
+    ) -> None:
+        self._radar, self._kernel = radar, kernel
         self._model, self._window = navigator_model(model), window_model(window)
         self._epochs: deque[Epoch] = deque()
         self._belief = Belief(self._model)
@@ -151,6 +165,10 @@ class Navigator:
         except TooFewPairs:
             return None
 
+    def _adjust(self, epochs: Sequence[Epoch], found: WindowAnswer, prior: KnownPose | None) -> Fix:
+        """Adjust a window at the place that its association found."""
+        return refined(epochs, found, radar=self._radar, kernel=self._kernel, prior=prior)
+
     def _span_s(self, now_s: float) -> float:
         return now_s - epoch_time(self._epochs[0])
 
@@ -195,7 +213,7 @@ class Navigator:
             if self._belief.acceptance.fair(best) and track.agrees(best.place):
                 track.proven = True
                 track.standing.confirm(now_s)
-                return track.take_blind(blind, self._epochs[-1], now_s)
+                return track.take_blind(blind, self._adjust, now_s)
         if track.adrift:
             return None
         begin = track.prior_for(now_s - self._model.window_s)
@@ -205,7 +223,7 @@ class Navigator:
                 return self._first_fix(now_s) if track.fresh else None
             return track.carry(self._epochs[-1], now_s, reckoned)
         window = self._prepare(now_s, length_s)
-        return None if window is None else track.take_warm(window, begin, self._epochs[-1], now_s)
+        return None if window is None else track.take_warm(window, begin, self._adjust, now_s)
 
     def _first_fix(self, now_s: float) -> Held | None:
         """Return the fix at a place that was just believed: the answer of a blind solve that lies there."""
@@ -214,7 +232,7 @@ class Navigator:
             return None
         found = joint.cold(window)
         row = track.row_at_place(found, now_s)
-        return None if row is None else track.take_blind(found, self._epochs[-1], now_s, row)
+        return None if row is None else track.take_blind(found, self._adjust, now_s, row)
 
     def _outcome(self, now_s: float, held: Held | None) -> Outcome:
         track = self._track

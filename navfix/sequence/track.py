@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from navfix.adjustment.window.prior import KnownPose
 from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
-from navfix.refinement import refined
 from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
 from navfix.sequence.places import Place, as_known_pose, as_prior
@@ -23,6 +24,8 @@ from navfix.sequence.protection import TrackProtection
 from navfix.types import Association, DeadReckoning, Epoch, Fix
 
 _BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
+
+Adjust = Callable[[Sequence[Epoch], associate.WindowAnswer, KnownPose | None], Fix]
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +121,7 @@ class Track:
         ]
         return fits[0] if fits else None
 
-    def take_blind(self, found: Joint, epoch: Epoch, now_s: float, row: int = 0) -> Held:
+    def take_blind(self, found: Joint, adjust: Adjust, now_s: float, row: int = 0) -> Held:
         """Take a blind answer at this place as the fix, its scans adjusted as one graph."""
         found = Joint(found.window, found.answers.take(np.roll(np.arange(len(found.answers)), -row)))
         window, answers = found.window, found.answers
@@ -129,13 +132,13 @@ class Track:
         place = _place(window, pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
-        fix = refined(window.epochs, answer) if self._matched_now(answer, window, now_s) else None
+        fix = adjust(window.epochs, answer, None) if self._matched_now(answer, window, now_s) else None
         if self._drifted:  # from here on the blind place is the prior, not dead reckoning
             self.adrift = self._drifted = False
             self._history.clear()
         return self._take(Held(place, fix, answer.association, given_place, "blind"), now_s)
 
-    def take_warm(self, window: Window, begin: Place, epoch: Epoch, now_s: float) -> Held:
+    def take_warm(self, window: Window, begin: Place, adjust: Adjust, now_s: float) -> Held:
         """Solve a window with a prior from before it, and take what its graph says, the prior one of its factors."""
         prior = as_prior([begin], window, self._model)
         found = joint.warm(window, prior)
@@ -150,7 +153,7 @@ class Track:
         fix = None
         if enough:
             answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
-            fix = refined(window.epochs, answer, prior=as_known_pose(begin, window.epochs[0], self._model))
+            fix = adjust(window.epochs, answer, as_known_pose(begin, window.epochs[0], self._model))
         return self._take(
             Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )

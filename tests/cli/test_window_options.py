@@ -59,6 +59,12 @@ def test_replay_holds_a_place_and_says_what_it_knows_of_it(
     assert f"{worst_m:.0f} m at worst; {share:.0f} % inside the 95 % ellipse" in printed.err
 
 
+def test_the_navigator_damps_as_asked(approach: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["replay", approach, "--every", "20", "--kernel", "danish"]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {line["kernel"] for line in lines if line["status"] == "fix"} == {"danish"}
+
+
 def test_independent_windows_and_scans_carry_no_track(approach: str, capsys: pytest.CaptureFixture[str]) -> None:
     for options in (["--window", "40"], []):
         assert main(["replay", approach, "--independent", "--every", "30", *options]) == 0
