@@ -52,7 +52,7 @@ class BetweenFixes:
             covariance=np.asarray(covariance, np.float64),
         )
 
-    def answer(self, track: Track | None, *, conflict: bool, seen: bool) -> DeadReckoning | None:
+    def answer(self, track: Track | None, now_s: float, *, conflict: bool, seen: bool) -> DeadReckoning | None:
         """Return the dead reckoning of now, before a fix of now counts; None where no fix carries it.
 
         Parameters
@@ -69,7 +69,9 @@ class BetweenFixes:
             self._reckoner.expect_another()
         if self._now is None or (track is not None and track.standing.outdone):
             return None
-        return replace(self._now, doubt=_LAPSED) if track is not None and track.lapsed else self._now
+        if track is None or not seen:
+            return self._now
+        return replace(self._now, doubt=_LAPSED if track.lapsed else track.standing.why_silent(now_s))
 
     def take(self, epoch: Epoch, fix: Fix, velocity_mps: complex | None = None) -> None:
         """Take a fix that the navigator gives out, with the velocity of its window over ground (north, east) [m/s].

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
 from datetime import datetime
 
 import numpy as np
@@ -27,9 +26,8 @@ from navfix.sequence.acceptance import Blind, blind_of
 from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
 from navfix.sequence.between_fixes import BetweenFixes
-from navfix.sequence.doubt import NOT_CHECKED
 from navfix.sequence.gyro_check import GyroCheck
-from navfix.sequence.outcome import Outcome
+from navfix.sequence.outcome import Outcome, outcome_of
 from navfix.sequence.places import Place
 from navfix.sequence.track import Held, Track
 from navfix.types import Alternative, DeadReckoning, Epoch, Fix, TrackState, TrackStatus
@@ -127,13 +125,13 @@ class Navigator:
             plain=self._plain if self._plain is not None and self._plain.end_s == now_s else None,
         )
         conflict = self._track is None and self._belief.reason.startswith("conflict")
-        reckoned = self._between.answer(self._track, conflict=conflict, seen=seen)
+        reckoned = self._between.answer(self._track, now_s, conflict=conflict, seen=seen)
         if self._track is None:
             status: TrackStatus = "conflict" if conflict else "cold"
             state = TrackState(status, score=self._belief.best_score)
             return Outcome(status, None, self._belief.reason, state, dead_reckoning=reckoned)
         held = self._hold(now_s, blind, reckoned) if seen else None
-        outcome = replace(self._outcome(now_s, held), dead_reckoning=reckoned)
+        outcome = self._outcome(now_s, held, reckoned)
         if outcome.fix is not None and held is not None and not held.carried:
             self._between.take(self._epochs[-1], outcome.fix, held.place.velocity_mps)
         return outcome
@@ -234,46 +232,22 @@ class Navigator:
         row = track.row_at_place(found, now_s)
         return None if row is None else track.take_blind(found, self._adjust, now_s, row)
 
-    def _outcome(self, now_s: float, held: Held | None) -> Outcome:
+    def _outcome(self, now_s: float, held: Held | None, reckoned: DeadReckoning | None) -> Outcome:
         track = self._track
         assert track is not None
-        silent = track.standing.why_silent(now_s) if track.proven else ""
         hypothesis = self.bank.near(track.place_at(now_s))
-        given_out = track.proven and not track.lapsed and not silent
-        fix = held.fix if held is not None and given_out and not track.given_up else None
-        shown: TrackStatus = "dead_reckoning" if fix is None else "tracking"
-        state = TrackState(
-            shown if given_out else "lapsed",
-            None if fix is None else track.probability_wrong,
-            None if held is None else held.evidence,
-            None if hypothesis is None else hypothesis.score,
-            None if hypothesis is None else min(self.bank.rival_ahead(hypothesis), 1000.0),
-            now_s - track.since_s,
-            None if held is None else held.source,
-            track.protection.innovation,
-            now_s - track.standing.confirmed_s if track.proven else None,
-            NOT_CHECKED,
-        )
-        if fix is None or held is None:
-            unproven = "" if track.proven else "the place that was given is not confirmed yet by any solve without it"
-            reason = track.given_up or track.why_lapsed or silent or unproven
-            return Outcome(state.status, None, reason or self._why_reckoned(track, now_s), state)
-        track.standing.stated = state.probability_wrong
-        return Outcome("tracking", _doubted(fix, state), "", state, held.association)
+        ahead = None if hypothesis is None else self.bank.rival_ahead(hypothesis)
+        score = None if hypothesis is None else hypothesis.score
+        why = self._why_reckoned(track, now_s)
+        return outcome_of(track, held, reckoned, now_s, score=score, ahead=ahead, why_none=why)
 
     def _why_reckoned(self, track: Track, now_s: float) -> str:
+        """Return why a place that is held and not doubted gives no fix."""
         if now_s - self._seen_s > self._model.unseen_s:
             return f"no echo and mark together for {now_s - self._seen_s:.0f} s: only dead reckoning goes on"
         if track.adrift:
             return "own ship went unseen for too long to be looked for near dead reckoning: a blind solve must find her"
         return "the window holds too little for a fix"
-
-
-def _doubted(fix: Fix, state: TrackState) -> Fix:
-    """Return the fix with what the track knows of being wrong in place of what its one window says."""
-    if fix.association is None:
-        return fix
-    return replace(fix, association=replace(fix.association, probability_wrong=state.probability_wrong))
 
 
 __all__ = ["Blind", "Navigator", "Place"]

@@ -119,7 +119,10 @@ def test_a_jump_of_all_ais_gives_no_fix_and_says_conflict():
     outcomes = navigate(changed_from(recorded("approach")[:60], 26, jump))
     assert errors_m(outcomes).max() <= 150.0
     assert outcomes[-1][1].fix is None
-    assert any(outcome.track.status == "conflict" for _, outcome in outcomes[6:])
+    first = next(k for k, (_, outcome) in enumerate(outcomes) if outcome.track.status == "conflict")
+    assert first >= 6
+    assert any(outcome.dead_reckoning is not None for _, outcome in outcomes[:first])
+    assert all(outcome.dead_reckoning is None for _, outcome in outcomes[first:]), "the last fixes are in doubt too"
 
 
 def test_a_swap_of_target_numbers_leaves_the_place_where_it_is():
