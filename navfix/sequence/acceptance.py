@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass
 
+import numpy as np
+
 from navfix.association.window.joint import Joint
 from navfix.catalog import NavigatorModel
 from navfix.sequence.bank import Bank, Hypothesis, places_of
@@ -27,9 +29,10 @@ def blind_of(found: Joint, window_s: float) -> Blind | None:
     """Return the best answer of a blind solve, None where there is none."""
     if not len(found.answers):
         return None
-    best = found.answers
+    best = found.answers.take(np.array([0]))
     place = places_of(found.window, best.knots, best.information)[0]
-    return Blind(place.time_s - window_s, place.time_s, place, float(best.evidence[0]), best.margin, int(best.marks[0]))
+    margin = found.answers.margin
+    return Blind(place.time_s - window_s, place.time_s, place, float(best.evidence[0]), margin, int(best.marks[0]))
 
 
 class Acceptance:

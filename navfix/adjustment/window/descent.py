@@ -13,7 +13,7 @@ from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray
 
 DENSE_BELOW = 900  # unknowns: from here on the normal equations are factorised as sparse ones
-ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-6  # sigma: the last step of a descent
+ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-5  # sigma: the last step of a descent
 _ITERATIONS = 40
 _LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
 _SMALLEST, _LARGEST = 1e-9, 1e9

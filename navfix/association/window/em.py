@@ -74,9 +74,9 @@ def normal_equations(
     weight = _mark_weight(field, fit, expected, widening)  # (k, m, q, s, 2)
     of_clutter = _clutter_weight(field, expected)
     drift = weight * fit.rate
-    total = weight.sum(axis=2) + of_clutter
-    pull = (weight * fit.misfit).sum(axis=2) + of_clutter * fit.path
-    with_clock = -drift.sum(axis=2)
+    total = np.einsum("kmqsa->kmsa", weight) + of_clutter
+    pull = np.einsum("kmqsa,kmqsa->kmsa", weight, fit.misfit) + of_clutter * fit.path
+    with_clock = -np.einsum("kmqsa->kmsa", drift)
     clock_square, clock_pull = (np.einsum("kmqsa,kmqsa->km", drift, by) for by in (fit.rate, -fit.misfit))
     if track_weight is not None:
         scale = track_weight[:, :, None, None]

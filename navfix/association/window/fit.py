@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from navfix.association.em import Field
+from navfix.association.em import NOMINAL_LEVEL, Field
 from navfix.association.scene import ComplexArray
 from navfix.association.window.knots import Knots
 from navfix.association.window.scene import WindowScene
@@ -76,6 +76,16 @@ class WindowField:
         return np.asarray(pd / (1.0 - pd))
 
     @cached_property
+    def means(self) -> Means:
+        """Every track beside every mark by their means."""
+        scene, to_mean = self.scene, self.scene.basis[:, 0]
+        every = np.broadcast_to(np.arange(len(scene.paths.marks)), (1, len(scene.bins), len(scene.paths.marks)))
+        variance = _variance(self, every)[0, :, :, MEAN]
+        log_ratio = np.log(self.odds(every, NOMINAL_LEVEL)[0]) - 0.5 * over_axes(np.log(variance)) - LOG_2PI
+        log_ratio += np.log(scene.bins / self.flat.clutter_per_m2)[:, None]
+        return Means(to_mean @ scene.paths.z.T, to_mean @ scene.paths.v.T, 1.0 / variance, log_ratio)
+
+    @cached_property
     def aged_m2(self) -> FloatArray:
         """Mean variance (n,) of what grows with the age of a mark's reports [m^2]."""
         mean: FloatArray = (self.scene.paths.aged_m**2).mean(axis=1)
@@ -93,6 +103,20 @@ class WindowField:
         """Shares (3,) of clutter that stands, moves and jumps."""
         still, jumping = self.model.still_share, self.model.jumping_share
         return np.array([still, 1.0 - still - jumping, jumping])
+
+
+@dataclass(frozen=True, eq=False)
+class Means:
+    """Every track beside every mark (m, n), by its mean over the bins.
+
+    ``z`` and ``v`` the mark's place and velocity; ``information`` (m, n, 2) the inverse variance of the misfit, radial
+    and tangential; ``log_ratio`` ln of the ratio of eq. (6.20) without misfit, of the places alone.
+    """
+
+    z: ComplexArray
+    v: ComplexArray
+    information: FloatArray
+    log_ratio: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,6 +168,12 @@ def near_middle(field: WindowField, knots: Knots, turn: ComplexArray) -> tuple[I
 def by_axis(values: ComplexArray) -> FloatArray:
     """Return complex values (...) as coordinates (..., 2)."""
     return np.ascontiguousarray(values).view(np.float64).reshape(*values.shape, 2)
+
+
+def over_axes(values: FloatArray) -> FloatArray:
+    """Return the sum (...) over both axes of values (..., 2): over so short an axis numpy's own takes its time."""
+    total: FloatArray = values[..., 0] + values[..., 1]
+    return total
 
 
 def _in_basis(basis: FloatArray, path: ComplexArray, mark: IntArray) -> ComplexArray:
@@ -208,12 +238,13 @@ def _scatter(
     ``coordinates`` (..., s, 2) in a track's basis, ``variance`` (..., 2), ``count`` (...) how many of them are scatter.
     """
     nu = field.model.scatter_dof
-    square = ((coordinates[..., SCATTER:, :] ** 2).sum(axis=-2) / variance).sum(axis=-1)
-    log_det = 0.5 * count * np.log(variance).sum(axis=-1)
+    scattered = coordinates[..., SCATTER:, :]
+    square = over_axes(np.einsum("...sa,...sa->...a", scattered, scattered) / variance)
+    log_det = 0.5 * count * over_axes(np.log(variance))
     return -0.5 * (nu + count) * np.log1p(square / nu) - 0.5 * log_det, (nu + count) / (nu + square)
 
 
 def log_normal(offset: FloatArray, variance: FloatArray) -> FloatArray:
     """Return ln of the normal density (...) of offsets (..., 2) with variances (..., 2)."""
-    log_density: FloatArray = -0.5 * (offset**2 / variance + np.log(variance)).sum(axis=-1) - LOG_2PI
+    log_density: FloatArray = -0.5 * over_axes(offset**2 / variance + np.log(variance)) - LOG_2PI
     return log_density
