@@ -19,6 +19,7 @@ from navfix.geodesy import LocalPlane, cloud_to_plane, convergence, ecef
 from navfix.types import Epoch, FloatArray, IntArray, Mark, Position, RadarTarget
 
 ComplexArray = NDArray[np.complex128]
+BoolArray = NDArray[np.bool_]
 
 
 BY_TARGET = (

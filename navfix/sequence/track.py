@@ -14,6 +14,7 @@ from navfix.adjustment.window.prior import KnownPose
 from navfix.association.scene import position_of
 from navfix.association.window import associate, jackknife, joint
 from navfix.association.window.joint import Joint, Window
+from navfix.association.window.settle import settle
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel
 from navfix.integrity import with_window_integrity
@@ -125,11 +126,9 @@ class Track:
         """Take a blind answer at this place as the fix, its scans adjusted as one graph."""
         found = Joint(found.window, found.answers.take(np.roll(np.arange(len(found.answers)), -row)))
         window, answers = found.window, found.answers
-        pose = jackknife.pose_at_end(
-            window.field, answers.knots.take(np.array([0])), answers.information[:1], window.prior
-        )
-        answer = associate.window_answer(found, pose)
-        place = _place(window, pose, now_s)
+        settled = settle(found, window.prior, fewest_marks=window.field.model.fewest_marks)
+        answer = associate.window_answer(found, settled)
+        place = _place(window, settled.pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         fix = adjust(window.epochs, answer, None) if self._matched_now(answer, window, now_s) else None
@@ -145,17 +144,17 @@ class Track:
         answers = found.answers
         known = window.prior.given(prior)
         self.protection.note_innovation(float(known.pose_misfit_sq(answers.knots)[0]))
-        pose = jackknife.pose_at_end(window.field, answers.knots, answers.information, known)
-        answer = associate.window_answer(found, pose)
+        settled = settle(found, known, fewest_marks=self._model.fewest_marks)
+        answer = associate.window_answer(found, settled)
         # Nothing but this place was looked at: there is no margin, and of being wrong only what is known of the track.
         association = replace(answer.association, margin=None, probability_wrong=self.probability_wrong)
-        enough = int(answers.marks[0]) >= self._model.fewest_marks and self._matched_now(answer, window, now_s)
+        enough = settled.marks >= self._model.fewest_marks and self._matched_now(answer, window, now_s)
         fix = None
         if enough:
             answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
             fix = adjust(window.epochs, answer, as_known_pose(begin, window.epochs[0], self._model))
         return self._take(
-            Held(_place(window, pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
+            Held(_place(window, settled.pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
 
     def carry(self, epoch: Epoch, now_s: float, reckoned: DeadReckoning | None) -> Held | None:

@@ -18,6 +18,7 @@ from navfix.association.window.evidence import Answers
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.pairs import Pairs
+from navfix.association.window.settle import Settled, settle
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray
@@ -73,14 +74,13 @@ def solve_window(
     near = partial(gyro.plausible, window, hint) if hint.has_hint else None
     found = gyro.weighed(joint.cold(window, near), hint)
     require_agreement(found, hinted=hint.has_hint)
-    best = found.answers.take(np.array([0]))
-    return window_answer(found, jackknife.pose_at_end(window.field, best.knots, best.information, window.prior))
+    return window_answer(found, settle(found, window.prior, fewest_marks=window.field.model.fewest_marks))
 
 
-def window_answer(found: Joint, pose: PoseAtEnd) -> WindowAnswer:
-    """Return the best answer of a window, whose pose at the end is known, as a fix with its pairs."""
-    window, best = found.window, found.answers.take(np.array([0]))
-    matched = pairs.one_to_one(window.field, best.knots)
+def window_answer(found: Joint, settled: Settled) -> WindowAnswer:
+    """Return the best answer of a window, which is settled, as a fix with its pairs."""
+    window, pose = found.window, settled.pose
+    matched = pairs.one_to_one(window.field, settled.knots)
     said = association(found, pose, matched)
     fix = as_fix(window, pose, matched, said)
     labels = pairs.labels_by_epoch(window, matched.index, window.epochs)

@@ -33,7 +33,8 @@ def density_ratio(
     """Return N_ij / (lambda_i V_i) (k, m, q), and the weight of the scatter: eq. (6.20) at detection odds of one."""
     log_density, weight = log_fit(field, fit, widening)
     against = np.log(field.flat.clutter_per_m2)[None, :] + clutter.log_density
-    return np.exp(np.minimum(log_density - against[:, :, None], 200.0)), weight
+    ratio = np.exp(np.minimum(log_density - against[:, :, None], 200.0))
+    return (ratio if fit.barred is None else np.where(fit.barred[:, :, None], 0.0, ratio)), weight
 
 
 def expect(field: WindowField, fit: Fit, widening: float = 1.0) -> Expectation:
@@ -45,16 +46,13 @@ def expect(field: WindowField, fit: Fit, widening: float = 1.0) -> Expectation:
     return Expectation(ratio / total[:, :, None], NOMINAL_SHARE / total, weight, clutter)
 
 
-def knot_step(
-    field: WindowField, knots: Knots, widening: float, prior: MotionPrior, track_weight: FloatArray | None = None
-) -> tuple[Knots, FloatArray]:
+def knot_step(field: WindowField, knots: Knots, widening: float, prior: MotionPrior) -> tuple[Knots, FloatArray]:
     """One E-step and one M-step over all unknowns; return the moved motions and the information (k, d, d).
 
-    ``track_weight`` (k, m) leaves tracks out (0) or counts them (1); k of these on one motion make k of it.
+    k sets of barred tracks on one motion make k of it.
     """
     fit = lay_over(field, knots)
-    expected = expect(field, fit, widening)
-    information, gradient = normal_equations(field, knots, fit, expected, widening, track_weight)
+    information, gradient = normal_equations(field, knots, fit, expect(field, fit, widening), widening)
     information += prior.full_information
     gradient += prior.gradient(knots)
     step: FloatArray = np.asarray(np.linalg.solve(information, gradient[:, :, None])[:, :, 0], dtype=np.float64)
@@ -62,12 +60,7 @@ def knot_step(
 
 
 def normal_equations(
-    field: WindowField,
-    knots: Knots,
-    fit: Fit,
-    expected: Expectation,
-    widening: float = 1.0,
-    track_weight: FloatArray | None = None,
+    field: WindowField, knots: Knots, fit: Fit, expected: Expectation, widening: float = 1.0
 ) -> tuple[FloatArray, FloatArray]:
     """Return A'WA (k, d, d) and A'Wl (k, d) of the tracks, without priors."""
     J = _jacobian(field, knots, fit)  # (k, (m s a), 3 K)
@@ -78,10 +71,6 @@ def normal_equations(
     pull = np.einsum("kmqsa,kmqsa->kmsa", weight, fit.misfit) + of_clutter * fit.path
     with_clock = -np.einsum("kmqsa->kmsa", drift)
     clock_square, clock_pull = (np.einsum("kmqsa,kmqsa->km", drift, by) for by in (fit.rate, -fit.misfit))
-    if track_weight is not None:
-        scale = track_weight[:, :, None, None]
-        total, pull, with_clock = total * scale, pull * scale, with_clock * scale
-        clock_square, clock_pull = clock_square * track_weight, clock_pull * track_weight
     count, d = len(total), J.shape[2] + 1
     information, gradient = np.zeros((count, d, d)), np.zeros((count, d))
     back = np.swapaxes(J, 1, 2)

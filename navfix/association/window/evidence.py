@@ -94,6 +94,11 @@ def _log_missed(field: WindowField, knots: Knots, level: float) -> FloatArray:
     return missed
 
 
+def matched(field: WindowField, knots: Knots) -> FloatArray:
+    """Return how many distinct marks (k,) some track is more likely to be than clutter, at each own motion."""
+    return _matched(field, lay_over(field, knots))
+
+
 def _matched(field: WindowField, fit: Fit) -> FloatArray:
     """Return how many distinct marks (k,) some track is more likely to be than clutter."""
     taken = posterior(field, fit) > 0.5
@@ -106,4 +111,4 @@ def posterior(field: WindowField, fit: Fit) -> FloatArray:
     return np.where(square <= GATE, expect(field, fit).on_mark, 0.0)
 
 
-__all__ = ["NOMINAL_LEVEL", "Answers", "distinct", "judge", "log_likelihood", "posterior"]
+__all__ = ["NOMINAL_LEVEL", "Answers", "distinct", "judge", "log_likelihood", "matched", "posterior"]

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from navfix.association.em import NOMINAL_LEVEL, Field
-from navfix.association.scene import ComplexArray
+from navfix.association.scene import BoolArray, ComplexArray
 from navfix.association.window.knots import Knots
 from navfix.association.window.scene import WindowScene
 from navfix.catalog import AssociationModel, WindowModel
@@ -125,7 +125,7 @@ class Fit:
 
     ``mark`` (k, m, q); ``misfit`` (k, m, q, s, 2) mark minus track; ``variance_m2`` (k, m, q, 3, 2) of mean, line and
     scatter; ``rate`` (k, m, q, s, 2) velocity of the mark: what a second of clock does; ``path`` (k, m, s, 2) minus the
-    track's own way over ground; ``axis`` (k, m) complex.
+    track's own way over ground; ``axis`` (k, m) complex; ``barred`` (k, m) which tracks are no mark, None: any may be.
     """
 
     mark: IntArray
@@ -134,6 +134,7 @@ class Fit:
     rate: FloatArray
     path: FloatArray
     axis: ComplexArray
+    barred: BoolArray | None = None
 
 
 def lay_over(field: WindowField, knots: Knots) -> Fit:
@@ -147,9 +148,8 @@ def lay_over(field: WindowField, knots: Knots) -> Fit:
     world = (knots.p @ rows + turn @ own.reshape(-1, scene.knots).T).reshape(*axis.shape, -1)  # (k, m, s)
     z, v = (_in_basis(scene.basis, path, mark) for path in (scene.paths.z, scene.paths.v))
     misfit = (z + v * knots.clock_s[:, None, None, None] - world[:, :, None]) * back[..., None]
-    return Fit(
-        mark, by_axis(misfit), _variance(field, mark), by_axis(v * back[..., None]), by_axis(-world * back), axis
-    )
+    rate, path = by_axis(v * back[..., None]), by_axis(-world * back)
+    return Fit(mark, by_axis(misfit), _variance(field, mark), rate, path, axis, knots.barred)
 
 
 def near_middle(field: WindowField, knots: Knots, turn: ComplexArray) -> tuple[IntArray, ComplexArray]:

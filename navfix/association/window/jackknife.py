@@ -1,4 +1,4 @@
-"""Step 8: the covariance of the newest instant - the inverse Hessian, and what each track moves when it is left out.
+"""Step 8b: the covariance of the newest instant - the inverse Hessian, and what each track moves when it is left out.
 
 The Hessian trusts the stated errors. Tracks err in ways that nobody stated (a hull seen from one side, a clock), and
 few of them carry a fix: so each matched track is left out in turn and the spread of what remains is added.
@@ -6,7 +6,7 @@ few of them carry a fix: so each matched track is left out in turn and the sprea
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,13 +34,51 @@ class PoseAtEnd:
     velocity: complex
 
 
-def pose_at_end(field: WindowField, knots: Knots, information: FloatArray, prior: MotionPrior) -> PoseAtEnd:
-    """Return the pose of one own motion at the end of the window, with its covariance."""
+def spread(field: WindowField, left: Knots) -> FloatArray:
+    """Return the covariance (3, 3) of the pose at the end from own motions with one track left out: eq. (6.22)."""
+    shift = end_vector(field, left)
+    if len(shift) < 2:
+        return np.zeros((3, 3))
+    away = np.hypot(*(shift[:, :2] - np.median(shift[:, :2], axis=0)).T)
+    shift = shift[away <= MOST_M] - shift[away <= MOST_M].mean(axis=0)
+    n = len(shift)
+    return (n - 1.0) / n * shift.T @ shift if n > 1 else np.zeros((3, 3))
+
+
+def left_out(field: WindowField, knots: Knots, prior: MotionPrior) -> Knots:
+    """Take one matched track after the other for clutter (n of them) and let the rest move one own motion."""
+    matched = np.flatnonzero(posterior(field, lay_over(field, knots))[0].max(axis=1, initial=0.0) > 0.2)
+    before = np.zeros((1, len(field.scene.bins)), dtype=bool) if knots.barred is None else knots.barred
+    barred = np.repeat(before, len(matched), axis=0)
+    barred[np.arange(len(matched)), matched] = True
+    if not len(matched):
+        return knots.take(matched)
+    return refit(field, replace(knots, barred=barred), prior)[0]  # one motion at first: what it fits is laid over once
+
+
+def refit(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, FloatArray]:
+    """Let own motions settle where the tracks that are not barred have them; return them and their information."""
+    knots, information = knot_step(field, knots, 1.0, prior)
+    for _ in range(ROUNDS - 1):
+        knots, information = knot_step(field, knots, 1.0, prior)
+    return knots, information
+
+
+def pose_at_end(
+    field: WindowField, knots: Knots, information: FloatArray, left: Knots, others: FloatArray
+) -> PoseAtEnd:
+    """Return the pose of one own motion at the end of the window, with its covariance.
+
+    Parameters
+    ----------
+    left : the same motion with one track after the other left out
+    others : covariance (3, 3) that other poses of the same place add, each with its probability
+    """
     formal = formal_at_end(field, information)[0]
     place, heading, velocity = at_end(field, knots)
-    spread = _spread(field, knots, prior)
     turned = float(heading[0]) + field.scene.yaw_at_end
-    return PoseAtEnd(complex(place[0]), turned, formal + spread, formal, complex(velocity[0]))
+    covariance = formal + spread(field, left) + others
+    return PoseAtEnd(complex(place[0]), turned, covariance, formal, complex(velocity[0]))
 
 
 def formal_at_end(field: WindowField, information: FloatArray) -> FloatArray:
@@ -58,6 +96,12 @@ def at_end(field: WindowField, knots: Knots) -> tuple[np.ndarray, FloatArray, np
     step_s = scene.knot_s[-1] - scene.knot_s[-2]
     velocity = (knots.p[:, -1] - knots.p[:, -2]) / step_s
     return knots.p[:, -1] + velocity * (scene.end_s - scene.knot_s[-1]), knots.heading_rad[:, -1], velocity
+
+
+def end_vector(field: WindowField, knots: Knots) -> FloatArray:
+    """Return the poses (k, 3) at the end of the window: north [m], east [m], heading [rad] (de-rotated)."""
+    place, heading, _ = at_end(field, knots)
+    return np.stack([place.real, place.imag, heading], axis=1)
 
 
 def carry_to_end(field: WindowField) -> FloatArray:
@@ -78,21 +122,3 @@ def _process(field: WindowField) -> FloatArray:
     ahead_s = scene.end_s - float(scene.knot_s[-1])
     place_m = 0.5 * model.acceleration_mps2 * ahead_s * max(model.bin_s, ahead_s)
     return np.diag([place_m**2, place_m**2, np.radians(model.heading_walk_deg) ** 2 * ahead_s / 10.0])
-
-
-def _spread(field: WindowField, knots: Knots, prior: MotionPrior) -> FloatArray:
-    """Return the leave-one-track-out covariance (3, 3) of the pose at the end: eq. (6.22) of the theory."""
-    matched = np.flatnonzero(posterior(field, lay_over(field, knots))[0].max(axis=1, initial=0.0) > 0.2)
-    if len(matched) < 2:
-        return np.zeros((3, 3))
-    weight = np.ones((len(matched), len(field.scene.bins)))
-    weight[np.arange(len(matched)), matched] = 0.0
-    left = knots  # one motion for all at first: what it fits is laid over once
-    for _ in range(ROUNDS):
-        left, _ = knot_step(field, left, 1.0, prior, weight)
-    place, heading, _ = at_end(field, left)
-    shift = np.stack([place.real, place.imag, heading], axis=1)
-    away = np.hypot(*(shift[:, :2] - np.median(shift[:, :2], axis=0)).T)
-    shift = shift[away <= MOST_M] - shift[away <= MOST_M].mean(axis=0)
-    n = len(shift)
-    return (n - 1.0) / n * shift.T @ shift if n > 1 else np.zeros((3, 3))

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.association.scene import ComplexArray
+from navfix.association.scene import BoolArray, ComplexArray
 from navfix.catalog import WindowModel
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
@@ -22,18 +22,23 @@ LOOSE_M, LOOSE_RAD = 3000.0, 0.5  # how far a motion without any mark may wander
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Own motion, k of them: places ``p`` [m, complex] and ``heading_rad`` (k, K), ``clock_s`` (k,)."""
+    """Own motion, k of them: places ``p`` [m, complex] and ``heading_rad`` (k, K), ``clock_s`` (k,).
+
+    ``barred`` (k, m) tells which tracks are taken for clutter under each of them; None: any may be a mark.
+    """
 
     p: ComplexArray
     heading_rad: FloatArray
     clock_s: FloatArray
+    barred: BoolArray | None = None
 
     def __len__(self) -> int:
         return len(self.p)
 
     def take(self, rows: IntArray | FloatArray) -> Knots:
         """Return the motions of ``rows``."""
-        return Knots(self.p[rows], self.heading_rad[rows], self.clock_s[rows])
+        barred = None if self.barred is None else self.barred[rows]
+        return Knots(self.p[rows], self.heading_rad[rows], self.clock_s[rows], barred)
 
     def moved(self, step: FloatArray) -> Knots:
         """Return the motions after a step (k, 3 K + 1) of the unknowns; one motion after k steps is k motions."""
@@ -42,6 +47,7 @@ class Knots:
             self.p + by_knot[:, :, 0] + 1j * by_knot[:, :, 1],
             self.heading_rad + by_knot[:, :, 2],
             self.clock_s + step[:, -1],
+            self.barred,
         )
 
     def vector(self) -> FloatArray:
