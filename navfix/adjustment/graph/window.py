@@ -41,10 +41,12 @@ def solve(damper: Damper, start: FloatArray) -> tuple[GraphSolution, FloatArray]
     values, newest = window.values(), window.epochs - 1
     try:
         linear = window.linear()
-        step = linear.optimize()
-        if _length(linear, step) < _SOLVED:  # solved already: the same linear system gives step and covariance
+        newest_last = gtsam.Ordering.ColamdConstrainedLastGaussianFactorGraph(linear, [newest])
+        tree = linear.eliminateMultifrontal(newest_last)
+        step = tree.optimize()
+        if _length(linear, step) < _SOLVED:  # solved already: what was eliminated gives step and covariance
             solution, iterations, error = values.retract(step), 1, linear.error(step)
-            cofactor = _in_north_east(gtsam.Marginals(linear, values).marginalCovariance(newest), values, newest)
+            cofactor = _in_north_east(tree.marginalCovariance(newest), values, newest)
         else:
             graph = window.graph()
             optimizer = gtsam.LevenbergMarquardtOptimizer(graph, values, _parameters())
