@@ -70,11 +70,13 @@ class NavigatorModel:
 class OwnMotionModel:
     """How own ship moves between fixes, 1 sigma where they are sigmas, and how a log is cut for smoothing.
 
-    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
-    ``current_walk_mps`` within ``current_walk_s`` where one does. A window tells its velocity to
-    ``window_velocity_mps``. ``steady_share`` of a fix's variance is the same in successive fixes, the rest is forgotten
-    with ``memory_s``. Dead reckoning ends after ``longest_s``. A log is smoothed in chunks of ``chunk_s`` without their
-    outer ``margin_s``; a place farther than ``longest_bridge_s`` from every fix is not given.
+    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current
+    by ``current_walk_mps`` within ``current_walk_s`` where one does. A window tells its velocity to
+    ``window_velocity_mps``. A log is ``log_share`` of its speed off all the time, the way through the water
+    ``leeway_deg`` off the heading of a fix (alignment of the radar, leeway). ``steady_share`` of a fix's variance is
+    the same in successive fixes, the rest is forgotten with ``memory_s``. Dead reckoning ends after ``longest_s``. A
+    log is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than
+    ``longest_bridge_s`` from every fix is not given.
     """
 
     name: str
@@ -87,6 +89,8 @@ class OwnMotionModel:
     unknown_speed_mps: float
     unknown_current_mps: float
     window_velocity_mps: float
+    log_share: float
+    leeway_deg: float
     steady_share: float
     memory_s: float
     heading_walk_deg: float

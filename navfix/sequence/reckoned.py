@@ -16,10 +16,12 @@ from navfix.types import Epoch, Fix, FloatArray, Position
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reckoned:
-    """Position and velocity (north, east, each per second) about ``plane``, and what does not average out.
+    """State (6,): position and velocity (north, east) about ``plane``, and the share of log and heading that is wrong.
 
-    ``velocity`` is the current (or drift of the log) where a log is heard, else that over ground. ``steady`` (2, 2) is
-    the part of the last fix's covariance that successive fixes share. ``sensors`` is the epoch they were read at.
+    The velocity is the current (or drift of the log) where a log is heard, else that over ground. The share, ahead and
+    to starboard, is that of the way through the water which log and heading miss all the time, as by a log that reads
+    low, a bow that is not where radar's zero mark is, or leeway: unlike a current it turns with the ship. ``steady``
+    (2, 2) is the part of the last fix's covariance that successive fixes share.
     """
 
     plane: LocalPlane
@@ -47,14 +49,15 @@ def begun(
     heading_deg, heading_var = heading_of(epoch, fix)
     by_log = log is not None and heading_deg is not None
     sigma_mps = motion.unknown_current_mps if by_log else motion.unknown_speed_mps
-    state = np.zeros(4)
+    state = np.zeros(6)
     if velocity_mps is not None:
         through = _ahead(log.speed_mps, heading_deg) if log is not None and heading_deg is not None else 0j
-        state[2:] = (velocity_mps - through).real, (velocity_mps - through).imag
+        state[2:4] = (velocity_mps - through).real, (velocity_mps - through).imag
         sigma_mps = min(sigma_mps, motion.window_velocity_mps)
-    covariance = np.zeros((4, 4))
+    covariance = np.zeros((6, 6))
     covariance[:2, :2] = (1.0 - motion.steady_share) * fix.covariance[:2, :2]
     covariance[2, 2] = covariance[3, 3] = sigma_mps**2
+    covariance[4, 4], covariance[5, 5] = motion.log_share**2, math.radians(motion.leeway_deg) ** 2
     return Reckoned(
         plane=LocalPlane(fix.position),
         at=at,
@@ -76,7 +79,7 @@ def over_ground(track: Reckoned) -> complex:
     """Return the velocity over ground (north, east) [m/s, complex]: of the state, with the log where it has one."""
     velocity = complex(track.state[2], track.state[3])
     if track.by_log and track.log_mps is not None and track.heading_deg is not None:
-        velocity += _ahead(track.log_mps, track.heading_deg)
+        velocity += _ahead(track.log_mps, track.heading_deg) * (1.0 + complex(track.state[4], track.state[5]))
     return velocity
 
 
@@ -102,7 +105,8 @@ def centred(track: Reckoned) -> Reckoned:
     place = track.plane.to_position(float(track.state[0]), float(track.state[1]))
     turn = float(track.state[1]) * math.tan(math.radians(place.lat_deg)) / WGS84_A_M  # meridians converge
     c, s = math.cos(turn), math.sin(turn)
-    rotation = np.kron(np.eye(2), np.array([[c, -s], [s, c]]))
+    rotation = np.eye(6)
+    rotation[:4, :4] = np.kron(np.eye(2), np.array([[c, -s], [s, c]]))
     state = rotation @ track.state
     state[:2] = 0.0
     return replace(track, plane=LocalPlane(place), state=state, covariance=rotation @ track.covariance @ rotation.T)

@@ -28,7 +28,7 @@ def updated(track: Reckoned, epoch: Epoch, fix: Fix, at: datetime, motion: OwnMo
     if float(innovation @ np.linalg.solve(expected, innovation)) > _CONTRADICTS:
         return None
     gain = track.covariance[:, :2] @ np.linalg.inv(track.covariance[:2, :2] + noise)
-    reduce = np.eye(4)
+    reduce = np.eye(len(track.state))
     reduce[:, :2] -= gain
     covariance = reduce @ track.covariance @ reduce.T + gain @ noise @ gain.T
     heading_deg, heading_var = heading_of(epoch, fix)

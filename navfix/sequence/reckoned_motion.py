@@ -27,21 +27,25 @@ def carried(track: Reckoned, epoch: Epoch, at: datetime, motion: OwnMotionModel)
         if track.by_log
         else motion.velocity_walk_mps**2 / motion.velocity_walk_s
     )
-    transition = np.eye(4)
+    transition, log = np.eye(6), epoch.speed_hint
     transition[0, 2] = transition[1, 3] = step_s
-    covariance = transition @ track.covariance @ transition.T + _wandering(walk, step_s)
-    state = track.state.copy()
-    if not track.by_log and not lost:  # the way over ground turns with the ship: half of it before she goes on
-        state[2:] = _turned(state[2:], 0.5 * turned_deg)
-    state = transition @ state
-    log = epoch.speed_hint
-    if not track.by_log and not lost:
-        state[2:] = _turned(state[2:], 0.5 * turned_deg)
+    noise = _wandering(walk, step_s)
+    run = np.zeros(2)
     if track.by_log and log is not None and track.log_mps is not None and track.heading_deg is not None:
         run = _through_water((track.log_mps, log.speed_mps), track.heading_deg, turned_deg, step_s)
-        state[:2] += run
-        across = math.radians(math.sqrt(max(heading_var - track.heading_var, 0.0))) * np.array([-run[1], run[0]])
-        covariance[:2, :2] += np.outer(across, across) + (log.sigma_mps * step_s) ** 2 * np.eye(2)
+        across = np.array([-run[1], run[0]])
+        transition[:2, 4], transition[:2, 5] = run, across  # the share of it that log and heading miss
+        grown = math.radians(math.sqrt(max(heading_var - track.heading_var, 0.0)))
+        noise[:2, :2] += grown**2 * np.outer(across, across) + (log.sigma_mps * step_s) ** 2 * np.eye(2)
+    state = track.state.copy()
+    with_ship = not track.by_log and not lost  # the way over ground turns with the ship: half before she goes on
+    if with_ship:
+        state[2:4] = _turned(state[2:4], 0.5 * turned_deg)
+    state = transition @ state
+    state[:2] += run
+    if with_ship:
+        state[2:4] = _turned(state[2:4], 0.5 * turned_deg)
+    covariance = transition @ track.covariance @ transition.T + noise
     return replace(
         track,
         at=at,
@@ -79,8 +83,8 @@ def _log_lost(track: Reckoned, motion: OwnMotionModel) -> Reckoned:
         return replace(track, by_log=False)
     heading_rad = math.radians(track.heading_deg)
     state, covariance = track.state.copy(), track.covariance.copy()
-    state[2:] += track.log_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
-    covariance[2:, 2:] += (track.log_sigma_mps**2 + (0.05 * track.log_mps) ** 2) * np.eye(2)
+    state[2:4] += track.log_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
+    covariance[2:4, 2:4] += (track.log_sigma_mps**2 + (0.05 * track.log_mps) ** 2) * np.eye(2)
     return replace(track, by_log=False, state=state, covariance=covariance, log_mps=None)
 
 
@@ -91,8 +95,8 @@ def log_found(track: Reckoned, epoch: Epoch) -> Reckoned:
         return track
     heading_rad = math.radians(track.heading_deg)
     state, covariance = track.state.copy(), track.covariance.copy()
-    state[2:] -= log.speed_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
-    covariance[2:, 2:] += (log.sigma_mps**2 + (0.05 * log.speed_mps) ** 2) * np.eye(2)
+    state[2:4] -= log.speed_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
+    covariance[2:4, 2:4] += (log.sigma_mps**2 + (0.05 * log.speed_mps) ** 2) * np.eye(2)
     return replace(
         track, by_log=True, state=state, covariance=covariance, log_mps=log.speed_mps, log_sigma_mps=log.sigma_mps
     )
@@ -105,6 +109,8 @@ def _through_water(log_mps: tuple[float, float], heading_deg: float, turned_deg:
 
 
 def _wandering(walk: float, step_s: float) -> FloatArray:
-    """Return the covariance (4, 4) that a wandering velocity adds in a step; ``walk`` in (m/s)^2 per s: eq. (10.12)."""
+    """Return the covariance (6, 6) that a wandering velocity adds in a step; ``walk`` in (m/s)^2 per s: eq. (10.12)."""
     axis = walk * np.array([[step_s**3 / 3.0, step_s**2 / 2.0], [step_s**2 / 2.0, step_s]])
-    return np.asarray(np.kron(axis, np.eye(2)), np.float64)
+    covariance = np.zeros((6, 6))
+    covariance[:4, :4] = np.kron(axis, np.eye(2))
+    return covariance
