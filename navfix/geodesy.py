@@ -58,7 +58,7 @@ def observer_of(mark: Position, bearing_deg: float, range_m: float) -> Position:
         rate = gained_deg / step_deg if step_deg * gained_deg > 0.0 else 1.0
         step_deg, last_misclosure_deg = max(-45.0, min(45.0, misclosure_deg / rate)), misclosure_deg
         back_deg += step_deg
-    raise InputError(f"no place sees {mark} at {bearing_deg} deg and {range_m} m: the mark is too near to a pole")
+    raise InputError(f"no place sees {mark} at {bearing_deg}° and {range_m} m: the mark is too near to a pole")
 
 
 class LocalPlane:

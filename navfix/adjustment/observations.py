@@ -89,10 +89,10 @@ def compass_notes(
     """Say in words what became of the compass in the true bearings; nothing where it is no unknown."""
     if error_deg is None or sigma_deg is None:
         return ()
-    said = [f"compass error {error_deg:+.2f} deg +- {sigma_deg:.2f} (1 sigma), to be added to the true bearings"]
+    said = [f"compass error {error_deg:+.2f}° +- {sigma_deg:.2f} (1 sigma), to be added to the true bearings"]
     if problem.common:
         said.append("all bearings are true: own heading is not determined")
     if located.prior_rad is None:
-        expected = f"{math.degrees(problem.compass_sigma_rad):.1f} deg (1 sigma)"
+        expected = f"{math.degrees(problem.compass_sigma_rad):.1f}° (1 sigma)"
         said.append(f"CHECK THE COMPASS: its error was estimated freely, {expected} do not explain it")
     return tuple(said)

@@ -220,7 +220,7 @@ def _in_words(vector: FloatArray) -> str:
         return "the heading"
     azimuth_deg = math.degrees(math.atan2(vector[1], vector[0])) % 180.0
     turning = " together with the heading" if len(vector) == 3 and abs(vector[2]) > 0.1 else ""
-    return f"the position along {azimuth_deg:.0f} deg{turning}"
+    return f"the position along {azimuth_deg:.0f}°{turning}"
 
 
 def _check_agreement(network: Network, linear: Linear, best: Minimum) -> None:

@@ -146,7 +146,7 @@ def _ambiguous(answers: Judged, scene: Scene, within: float) -> Ambiguous:
     message = f"{len(rows)} places explain the echoes nearly alike: {ahead}"
     if step is not None:
         azimuth_deg = math.degrees(math.atan2(step.imag, step.real)) % 180.0
-        message = f"{len(rows)} places fit, {abs(step) / NM_M:.2f} NM apart along {azimuth_deg:03.0f} deg: {ahead}"
+        message = f"{len(rows)} places fit, {abs(step) / NM_M:.2f} NM apart along {azimuth_deg:03.0f}°: {ahead}"
     return Ambiguous(message, alternatives=_as_alternatives(answers, scene, rows))
 
 
@@ -210,7 +210,7 @@ def _notes(found: Search) -> tuple[str, ...]:
     if prior.heading_rad is not None and heading_holds < 0.5:
         off_deg = math.degrees(wrap_pi(prior.heading_rad - float(prior.true_heading(best.poses)[0])))
         source = "heading hint" if found.field.scene.reference == "relative" else "compass in the true bearings"
-        notes.append(f"The {source} is refuted: it is {off_deg:+.1f} deg off.")
+        notes.append(f"The {source} is refuted: it is {off_deg:+.1f}° off.")
     return tuple(notes)
 
 

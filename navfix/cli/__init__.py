@@ -51,6 +51,7 @@ def parser() -> argparse.ArgumentParser:
         importlib.import_module(f"navfix.cli.{name}").add_parser(commands)
     for command in commands.choices.values():
         command.allow_abbrev = False
+        command.description = (command.description or "").replace("``", "")  # the docstring of its module
         command.add_argument("-v", "--verbose", action="count", default=argparse.SUPPRESS, help=argparse.SUPPRESS)
     return top
 

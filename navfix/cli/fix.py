@@ -12,7 +12,7 @@ from navfix.cli.errors import NO_FIX, OK, CommandError, one_line
 def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Add the command to the parser."""
     parser = subparsers.add_parser(
-        "fix", help="adjusted position and heading of one radar scan of a log", description=__doc__
+        "fix", help="adjusted position and heading of one radar scan of a log, or of a window", description=__doc__
     )
     options.add_one_scan(parser)
     options.add_window(parser)

@@ -149,10 +149,13 @@ def add_at(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_window(parser: argparse.ArgumentParser) -> None:
-    """Add --window."""
+def add_window(parser: argparse.ArgumentParser, *, default: str = "one scan alone") -> None:
+    """Add --window; ``default`` says in words what is solved without it."""
     parser.add_argument(
-        "--window", metavar="S", type=values.positive, help="join the scans of so many seconds into one answer"
+        "--window",
+        metavar="S",
+        type=values.positive,
+        help=f"join the scans of so many seconds into one answer (default: {default})",
     )
 
 

@@ -72,7 +72,7 @@ def _compare(fix: Fix, charted: set[str], false_alarm: float, missed: float) -> 
     smallest_m = math.sqrt(noncentrality(threshold, None, missed)) * sigma_m
     apart_m, azimuth_deg = math.hypot(north_m, east_m), math.degrees(math.atan2(east_m, north_m)) % 360.0
     said = (
-        f"checked: the {int(from_chart.sum())} charted marks alone lie {apart_m:.0f} m towards {azimuth_deg:03.0f} deg "
+        f"checked: the {int(from_chart.sum())} charted marks alone lie {apart_m:.0f} m towards {azimuth_deg:03.0f}° "
         f"from what AIS alone gives; an area-wide shift of {smallest_m:.0f} m would have been noticed"
     )
     if squared <= threshold:

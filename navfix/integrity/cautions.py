@@ -25,14 +25,14 @@ def heading_notes(found: Fix, epoch: Epoch) -> tuple[str, ...]:
     off_deg = wrap_180(hint.heading_deg - found.heading_deg)
     if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
         return ()  # a caution
-    return (f"The heading in the log differs by {off_deg:+.1f} deg (radar alignment and compass error together).",)
+    return (f"The heading in the log differs by {off_deg:+.1f}° (radar alignment and compass error together).",)
 
 
 def _group_caution(association: Association) -> tuple[str, ...]:
     group = association.second_group
     if group is None:
         return ()
-    where = f"{group.offset_m:.0f} m along {group.azimuth_deg:03.0f} deg"
+    where = f"{group.offset_m:.0f} m along {group.azimuth_deg:03.0f}°"
     return (
         f"{len(group.targets)} targets agree on another place, {where}: the AIS positions of one of the two groups are "
         "shifted alike. Check the position with something that is neither.",
@@ -47,10 +47,10 @@ def _compass_caution(association: Association, epoch: Epoch) -> tuple[str, ...]:
     if references == {"true"}:
         off_deg, sigma_deg = -wrap_180(found_deg), math.degrees(math.sqrt(association.covariance[2, 2]))
         if abs(off_deg) > TRUE_BEARINGS_OFF_DEG + 3.0 * sigma_deg:
-            return (f"{CHECK_COMPASS}: the true bearings of the radar are {off_deg:+.1f} deg off.",)
+            return (f"{CHECK_COMPASS}: the true bearings of the radar are {off_deg:+.1f}° off.",)
     elif references == {"relative"} and hint is not None:
         off_deg = wrap_180(hint.heading_deg - found_deg)
         if abs(off_deg) > GYRO_DISAGREES_DEG + 3.0 * hint.sigma_deg:
-            told = f"the heading in the log, {hint.heading_deg:.1f} deg"
-            return (f"{CHECK_COMPASS}: {told}, is {off_deg:+.1f} deg off.",)
+            told = f"the heading in the log, {hint.heading_deg:.1f}°"
+            return (f"{CHECK_COMPASS}: {told}, is {off_deg:+.1f}° off.",)
     return ()

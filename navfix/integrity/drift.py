@@ -55,7 +55,7 @@ class Slow:
         """What is beyond, drift before offset."""
         if self.drift_mps > self.drift_limit_mps:
             return (
-                f"GNSS leaves the fix at {self.drift_mps:.2f} m/s towards {self.azimuth_deg:03.0f} deg over "
+                f"GNSS leaves the fix at {self.drift_mps:.2f} m/s towards {self.azimuth_deg:03.0f}° over "
                 f"{self.window_s:.0f} s; up to {self.drift_limit_mps:.2f} m/s are explained"
             )
         return (

@@ -68,7 +68,7 @@ def gnss_verdict(
     doubts = (*_doubts(fix), *filter(None, (area.doubt,)))
     verdict, why = _decide(fix, beyond_threshold, beyond_caution, doubts, smallest_m, alert_limit_m)
     measured = (
-        f"GNSS lies {comparison.distance_m:.0f} m from the fix towards {comparison.azimuth_deg:03.0f} deg; up to "
+        f"GNSS lies {comparison.distance_m:.0f} m from the fix towards {comparison.azimuth_deg:03.0f}°; up to "
         f"{threshold_m:.0f} m are explained there by both sigmas (false alarm {probability_of_false_alarm:g})"
     )
     seen = (
@@ -173,7 +173,7 @@ def _doubts(fix: Fix) -> tuple[str, ...]:
     if group is not None:
         doubts.append(
             f"doubt: {len(group.targets)} targets agree on another place, {group.offset_m:.0f} m towards "
-            f"{group.azimuth_deg:03.0f} deg; some AIS positions may be shifted alike"
+            f"{group.azimuth_deg:03.0f}°; some AIS positions may be shifted alike"
         )
     return tuple(doubts)
 

@@ -159,7 +159,7 @@ def _plot(cells: list[str], columns: _Columns) -> RadarPlot:
     if not 0.0 < range_m <= _FARTHEST_M:
         raise _BadRow("range not in 0 .. 500 km")
     if not -360.0 <= bearing_deg <= 360.0:
-        raise _BadRow("bearing not in -360 .. 360 deg")
+        raise _BadRow("bearing not in -360 .. 360°")
     return RadarPlot(time_s, range_m, wrap_360(bearing_deg))
 
 

@@ -114,7 +114,7 @@ def _residuals(case: Case, fix: Fix) -> Iterator[str]:
 def _numbers(row: AdjustedObservation) -> Iterator[str]:
     metres = row.kind == "range"
     places = 3 if metres else 4
-    yield "m" if metres else "deg"
+    yield "m" if metres else "°"
     yield from (decimals(value, places) for value in (row.observed, row.adjusted))
     yield decimals(row.residual, places, sign=True)
     yield decimals(row.sigma, places)
@@ -192,13 +192,13 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
             decimals(float(step.residuals[index]), places, sign=True),
             decimals(float(step.adjusted_sigma[index]), places),
         )
-        label = (f"{index + 1} {given.mark}", KIND_NAMES[given.kind], "m" if given.kind == "range" else "deg")
+        label = (f"{index + 1} {given.mark}", KIND_NAMES[given.kind], "m" if given.kind == "range" else "°")
         rows.append(("" if given.use else "out", (*label, *numbers)))
     names = ("observation", "kind", "unit", *(f"A {name}" for name in unknowns), "L", "P", "V", "s(adj)")
     yield table(names, rows, text=(0, 1, 2))
     yield remark("A in the row's unit per m, and per rad of heading; s(adj) = sigma0 √(AQA')")
     sigma0 = "not known" if step.sigma0 is None else f"{step.sigma0:.5f}"
-    turn = f", heading {math.degrees(step.increments[2]):+.4f} deg" if len(unknowns) > 2 else ""
+    turn = f", heading {math.degrees(step.increments[2]):+.4f}°" if len(unknowns) > 2 else ""
     yield (
         f"<p>dx: north {step.increments[0]:+.3f} m, east {step.increments[1]:+.3f} m{turn}; sigma0 {sigma0}; "
         f"mean position error {step.position_sigma_m:.3f} m</p>\n"

@@ -62,14 +62,14 @@ def _first_step(case: Case, step: LinearStep) -> Iterator[str]:
         row = "".join(f"{number(float(value), 10, 6):>11}" for value in values)
         sigma = number(float(step.adjusted_sigma[index]), 8, 3)
         yield f"{index + 1:>2} {clipped(observation.mark, 8):<9}{KIND_NAMES[observation.kind]:<9}{row}{sigma:>9}"
-    turn = f"   heading {math.degrees(step.increments[2]):+.4f} deg" if heading else ""
+    turn = f"   heading {math.degrees(step.increments[2]):+.4f}°" if heading else ""
     yield f"increments dx   north {step.increments[0]:+.3f} m   east {step.increments[1]:+.3f} m{turn}"
     sigma0 = "not known, no redundancy" if step.sigma0 is None else f"{step.sigma0:.5f}"
     yield f"sigma0 {sigma0}   mean position error m_P {step.position_sigma_m:.3f} m"
     yield "cofactors (A'PA)^-1 of " + ("north m, east m, heading rad" if heading else "north m, east m")
     for line in step.cofactors:
         yield "".join(f"{value:>18.6g}" for value in line)
-    yield "A and L in m or deg per m" + (" and rad" if heading else "") + ", s(adj) = sigma0 sqrt(AQA')"
+    yield "A and L in m or ° per m" + (" and rad" if heading else "") + ", s(adj) = sigma0 sqrt(AQA')"
 
 
 # --------------------------------------------------------------------------------------------------------- the fix
@@ -83,7 +83,7 @@ def _adjusted(case: Case, fix: Fix) -> Iterator[str]:
         yield f"          {fix.position.lat_deg:.9f}   {fix.position.lon_deg:.9f}"
     yield from grid_lines(case, fix.position)
     if fix.heading_deg is not None:
-        yield f"heading   {fix.heading_deg:.4f} deg +- {math.degrees(math.sqrt(fix.covariance[2, 2])):.4f} (1 sigma)"
+        yield f"heading   {fix.heading_deg:.4f}° +- {math.degrees(math.sqrt(fix.covariance[2, 2])):.4f} (1 sigma)"
     scaling = "scaled by sigma0" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
     yield f"sigma0    {fix.sigma0:.5f}   redundancy {fix.redundancy}   covariance {scaling}"
     yield f"m_P       {mean_position_error_m(fix):.3f} m   ellipse 95 %  {_ellipse(fix)}"
@@ -109,7 +109,7 @@ def _residuals(given: Sequence[CaseObservation], adjusted: Sequence[AdjustedObse
             f"{number(row.adjusted, 12, 4):>13}{number(row.residual, 10, 4, sign=True):>11}{number(row.sigma, 8, 4):>9}"
             f"{w:>7}{row.redundancy_number:>6.2f}{row.weight:>6.2f}{mdb:>10}{left_out}"
         )
-    yield "m or deg; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p kernel weight"
+    yield "m or °; v = adjusted - observed, w = v / (sigma sqrt(r)), r redundancy number, p kernel weight"
     yield ""
     yield from _reliability(adjusted)
 
@@ -132,7 +132,7 @@ def grid_lines(case: Case, place: Position | PlanePosition) -> Iterator[str]:
     found = from_utm(place, case.utm_zone)
     yield f"on WGS 84 {words.place(found.position)}   {found.position.lat_deg:.9f}   {found.position.lon_deg:.9f}"
     yield (
-        f"          UTM {case.utm_zone}: convergence {found.convergence_deg:+.5f} deg (grid = true - it), "
+        f"          UTM {case.utm_zone}: convergence {found.convergence_deg:+.5f}° (grid = true - it), "
         f"scale {found.scale:.8f}"
     )
 
@@ -157,7 +157,7 @@ def mean_position_error_m(fix: Fix) -> float:
 
 def _ellipse(fix: Fix) -> str:
     ellipse = fix.ellipse(0.95)
-    return f"{ellipse.semi_major_m:.3f} x {ellipse.semi_minor_m:.3f} m (semi axes), {ellipse.azimuth_deg:.1f} deg"
+    return f"{ellipse.semi_major_m:.3f} x {ellipse.semi_minor_m:.3f} m (semi axes), {ellipse.azimuth_deg:.1f}°"
 
 
 # ---------------------------------------------------------------------------------------------------- side by side

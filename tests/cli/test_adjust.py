@@ -209,7 +209,7 @@ def test_the_page_gives_each_row_its_unit_and_marks_what_was_damped_and_left_out
     text = page.read_text(encoding="utf-8")
     table = text[text.index("<h2>Observations") : text.index("<h2>Side by side")]
     rows = [re.findall(r"<td[^>]*>([^<]*)</td>", row) for row in re.findall(r"<tr class.*?</tr>", table)]
-    assert {(row[1], row[2]) for row in rows} == {("range", "m"), ("rel. brg", "deg")}
+    assert {(row[1], row[2]) for row in rows} == {("range", "m"), ("rel. brg", "°")}
     assert table.count('<tr class="out">') == 1
     assert table.count('<tr class="damped">') == 2
     assert "bad" in table

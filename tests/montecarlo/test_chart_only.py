@@ -64,7 +64,7 @@ def test_a_regular_channel_without_a_prior_is_ambiguous_and_the_step_is_told(see
     answer = pipeline.answer(replace(epoch, heading_hint=None))
     assert answer.error is not None
     assert answer.error.reason == "ambiguous"
-    assert f"{SPACING_M / 1852.0:.2f} NM apart along 120 deg" in str(answer.error)
+    assert f"{SPACING_M / 1852.0:.2f} NM apart along 120°" in str(answer.error)
     places = [place.position for place in answer.error.alternatives]  # type: ignore[attr-defined]
     assert min(inverse(place, truth)[0] for place in places) < 60.0
 

@@ -175,7 +175,7 @@ def test_the_window_is_better_than_its_newest_scan_and_says_what_it_estimated() 
     p = scene(0, epochs=40, targets=20, wrong=2, errors=Errors(bearing_deg=1.0))
     fix = adjust_window(p.epochs, p.pairs)
     said = " ".join(fix.notes)
-    told = re.search(r"current (\d\.\d+) m/s towards (\d+) deg", said)
+    told = re.search(r"current (\d\.\d+) m/s towards (\d+)°", said)
     assert told is not None
     assert abs(float(told[1]) - math.hypot(0.5, 0.33)) < 0.2
     assert abs(wrap_180(float(told[2]) - math.degrees(math.atan2(-0.33, 0.5)))) < 25.0

@@ -89,7 +89,7 @@ def test_gnc_says_that_it_looks_for_no_mirror_point() -> None:
 
 def test_two_bearings_in_line_with_the_ship_leave_that_line_free() -> None:
     network = exact([TRUE_BEARING] * 2, [0, 1], TRUTH[:2] + np.array([[3000.0, 3000.0], [6000.0, 6000.0]]))
-    with pytest.raises(Unobservable, match="position along 45 deg") as failure:
+    with pytest.raises(Unobservable, match="position along 45°") as failure:
         solve(network, NONE, start=TRUTH)
     assert np.abs(failure.value.direction) == pytest.approx([math.sqrt(0.5)] * 2, abs=1e-3)
 

@@ -159,7 +159,7 @@ def test_a_regular_row_tells_its_step_and_direction():
     targets = tuple(
         RadarTarget(f"{k}", r, b - 77.0, range_sigma_m=20.0, bearing_sigma_deg=0.5) for k, (r, b) in enumerate(polar)
     )
-    with pytest.raises(Ambiguous, match=r"0\.99 NM apart along 045 deg"):
+    with pytest.raises(Ambiguous, match=r"0\.99 NM apart along 045°"):
         navfix.associate(Epoch(None, targets, row))
 
 

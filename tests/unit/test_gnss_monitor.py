@@ -105,7 +105,7 @@ def test_a_slow_drag_is_found_before_a_single_comparison_could_and_said_in_words
     assert first.distance_m < first.threshold_m
     assert first.alert is not None
     assert "GNSS leaves the fix at 0.1" in first.alert
-    assert "m/s towards 000 deg over 300 s" in first.alert
+    assert "m/s towards 000° over 300 s" in first.alert
 
 
 def test_the_verdict_says_what_was_checked_over_time() -> None:

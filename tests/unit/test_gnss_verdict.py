@@ -153,7 +153,7 @@ def test_a_second_group_is_a_caution_and_named() -> None:
     )
     verdict = gnss_verdict(replace(fix_with(ROUND), association=association), gnss_at(0.0, 0.0))
     assert verdict.verdict == "caution"
-    assert any("3 targets agree on another place, 1200 m towards 045 deg" in reason for reason in verdict.reasons)
+    assert any("3 targets agree on another place, 1200 m towards 045°" in reason for reason in verdict.reasons)
 
 
 def test_a_failed_global_test_is_a_caution_unless_the_covariance_was_scaled_by_it() -> None:

@@ -135,7 +135,7 @@ def test_a_turn_that_both_sides_know_is_interpolated(name: str):
         ("grey", track(), 100.0, "too far"),
         ("grey", [*track(count=4, every_s=2.0), Point(T0 + 60.0, 54.0, 8.0, 5.0, 0.0)], 65.0, "uneven"),
         ("constant_turn", track(), 10.0, "no rate"),
-        ("constant_turn", track(turn_deg_per_min=30.0, told_turn=True), 600.0, "180 deg"),
+        ("constant_turn", track(turn_deg_per_min=30.0, told_turn=True), 600.0, "180°"),
         ("constant_turn", [Point(T0, 54.0, 8.0, 5.0, 0.0, 720.0)], 10.0, "no ship turns"),
         ("constant_acceleration", track(count=1), 10.0, "two reports"),
         ("unscented", [Point(T0, 54.0, 8.0)], 10.0, "cannot start"),

@@ -50,7 +50,7 @@ def test_a_compass_that_the_echoes_refute_is_a_caution_above_the_residuals() -> 
     assert inverse(OWN, answer.fix.position)[0] < 50.0  # type: ignore[arg-type]
     assert len(answer.cautions) == 1
     assert re.fullmatch(
-        r"Check the compass: the heading in the log, 123.0 deg, is \+(89|90)\.\d deg off.", answer.cautions[0]
+        r"Check the compass: the heading in the log, 123.0°, is \+(89|90)\.\d° off.", answer.cautions[0]
     )
     text = report_text(answer)
     assert text.index("CAUTION         Check the compass") < text.index("How sure")

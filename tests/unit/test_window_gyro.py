@@ -82,7 +82,7 @@ def test_a_gyro_90_deg_off_is_found_out_in_a_window_and_moves_nothing(answers):
     assert len(refuted) >= 3
     for seed, association in refuted.items():
         assert association.notes[0].startswith("The heading hint is refuted: it is +")
-        assert abs(float(association.notes[0].split("+")[1].split()[0]) - 90.0) < 6.0
+        assert abs(float(association.notes[0].split("+")[1].split("°")[0]) - 90.0) < 6.0
         assert inverse(alone[seed].position, association.position)[0] < 5.0
         assert association.evidence > alone[seed].evidence - 3.1  # ln 20: how rare a worthless gyro is, and no more
 

@@ -49,6 +49,6 @@ def check_rank(window: Window, pose: FloatArray, cofactor: FloatArray) -> None:
     if math.sqrt(values[1]) > _HOPELESS_SHARE * distance_m:
         azimuth_deg = math.degrees(math.atan2(vectors[1, 1], vectors[0, 1])) % 180.0
         direction = (float(vectors[0, 1]), float(vectors[1, 1]), 0.0)
-        raise Unobservable(f"the window leaves the position along {azimuth_deg:.0f} deg free", direction=direction)
+        raise Unobservable(f"the window leaves the position along {azimuth_deg:.0f}° free", direction=direction)
     if window.any_relative and math.sqrt(cofactor[2, 2]) > _HOPELESS_RAD:
         raise Unobservable("the window leaves the heading free", direction=(0.0, 0.0, 1.0))

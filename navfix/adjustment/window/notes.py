@@ -65,13 +65,13 @@ def _globals(window: Window, found: Judged) -> list[str]:
     ]
     if np.any(window.seen.is_true):
         error, spread_deg = compass_error_deg(window, found)
-        said.append(f"compass error {error:+.2f} deg +- {spread_deg:.2f} (1 sigma), to be added to the true bearings")
+        said.append(f"compass error {error:+.2f}° +- {spread_deg:.2f} (1 sigma), to be added to the true bearings")
     if np.any(logged(window)):
         word = "current" if np.any(window.own.through_water) else "drift of the log"
         speed = math.hypot(value[CURRENT_NORTH], value[CURRENT_EAST])
         towards = math.degrees(math.atan2(value[CURRENT_EAST], value[CURRENT_NORTH])) % 360.0
         larger = max(sigma[CURRENT_NORTH], sigma[CURRENT_EAST])
-        said.append(f"{word} {speed:.2f} m/s towards {towards:03.0f} deg +- {larger:.2f} m/s (1 sigma)")
+        said.append(f"{word} {speed:.2f} m/s towards {towards:03.0f}° +- {larger:.2f} m/s (1 sigma)")
     return said
 
 

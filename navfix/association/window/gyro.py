@@ -77,7 +77,7 @@ def notes(window: Window, pose: PoseAtEnd) -> tuple[str, ...]:
         return ()
     off_deg = math.degrees(wrap_pi((hint.heading_rad or 0.0) - float(hint.true_heading(found)[0])))
     source = "compass in the true bearings" if window.field.scene.flat.reference == "true" else "heading hint"
-    return (f"The {source} is refuted: it is {off_deg:+.1f} deg off.",)
+    return (f"The {source} is refuted: it is {off_deg:+.1f}° off.",)
 
 
 def _at_end(window: Window, answers: Answers) -> tuple[Poses, FloatArray]:

@@ -24,9 +24,9 @@ def carry(past: History, at_s: float, model: AisModel) -> Carried | Declined:
     if rate is None:
         return Declined("the report tells no rate of turn")
     if abs(rate) > persisting_model().fastest_turn_rad_s:
-        return Declined(f"no ship turns at {math.degrees(rate) * 60.0:.0f} deg/min")
+        return Declined(f"no ship turns at {math.degrees(rate) * 60.0:.0f}°/min")
     if abs(rate * (at_s - float(past.time_s[0]))) > LARGEST_TURN_RAD:
-        return Declined("the ship would have turned by more than 180 deg: no turn lasts so long")
+        return Declined("the ship would have turned by more than 180°: no turn lasts so long")
     return steered(past, at_s, model, partial(_arc_of, rate))
 
 
