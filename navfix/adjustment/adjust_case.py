@@ -10,7 +10,7 @@ import numpy as np
 from navfix import catalog
 from navfix.adjustment.case import Case
 from navfix.adjustment.case_frame import Place, middle_of_marks, moved, network_about, true_heading_deg
-from navfix.adjustment.network import Damping, Network
+from navfix.adjustment.network import Network
 from navfix.adjustment.observations import adjusted_observations, notes
 from navfix.adjustment.reliability import Quality, assess, by_residual_sigma
 from navfix.adjustment.solve import (
@@ -26,7 +26,7 @@ from navfix.adjustment.solve import (
 from navfix.adjustment.start import Minimum, find_minima, follow
 from navfix.adjustment.textbook import LinearStep, linear_step
 from navfix.errors import Unobservable
-from navfix.kernels import Kernel, Standardisation
+from navfix.kernels import Damping, Kernel, Standardisation
 from navfix.types import AdjustedObservation, Fix, FloatArray, Integrity, Position
 from navfix.units import wrap_360
 

@@ -13,9 +13,10 @@ import numpy as np
 
 from navfix.adjustment import solve as solving
 from navfix.adjustment.damped import observation_weights
-from navfix.adjustment.network import TRUE_BEARING, BoolArray, Network, jacobian, residuals
+from navfix.adjustment.network import TRUE_BEARING, BoolArray, Network
 from navfix.adjustment.pairs import Problem
 from navfix.adjustment.search import Found, Placer, Search
+from navfix.adjustment.sights import jacobian, residuals
 from navfix.adjustment.whitening import normal_matrix, whiten_one, whitened, whitener
 from navfix.errors import Ambiguous, NoFix
 from navfix.kernels import Damping, Kernel

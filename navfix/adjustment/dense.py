@@ -12,7 +12,8 @@ import numpy as np
 
 from navfix.adjustment.damped import loss_of_norms, norms, weights_of_norms
 from navfix.adjustment.landscape import Local, landscape_of
-from navfix.adjustment.network import BoolArray, Network, jacobian, prior_residual, residuals, sight
+from navfix.adjustment.network import BoolArray, Network
+from navfix.adjustment.sights import jacobian, prior_residual, residuals, sight
 from navfix.adjustment.whitening import normal_matrix, white_residuals, whiten, whiten_one, whitener
 from navfix.kernels import Damping, Kernel
 from navfix.types import FloatArray

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navfix.adjustment.damped import kernel_curvature, loss_of_norms, norms, weights_of_norms
-from navfix.adjustment.network import Network, Sight, curvature, jacobian, prior_residual, residuals, sight
+from navfix.adjustment.network import Network
 from navfix.adjustment.polar import Polar, Seen
+from navfix.adjustment.sights import Sight, curvature, jacobian, prior_residual, residuals, sight
 from navfix.adjustment.whitening import (
     back_to_units,
     normal_matrix,

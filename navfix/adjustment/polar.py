@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from navfix.adjustment.network import NEAREST_M, Network
+from navfix.adjustment.network import Network
+from navfix.adjustment.sights import NEAREST_M
 from navfix.types import FloatArray
 
 ComplexArray = NDArray[np.complex128]

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from navfix.adjustment.dense import Linear, linearise
-from navfix.adjustment.network import TRUE_BEARING, Network, effective_sigma, jacobian, prior_residual
+from navfix.adjustment.network import TRUE_BEARING, Network
+from navfix.adjustment.sights import effective_sigma, jacobian, prior_residual
 from navfix.adjustment.whitening import back_to_units, normal_matrix, whiten, whitened, whitener
 from navfix.kernels import Damping
 from navfix.types import CovarianceScaling, FloatArray, GlobalTest

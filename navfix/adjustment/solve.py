@@ -14,7 +14,8 @@ from navfix.adjustment.damped import observation_weights
 from navfix.adjustment.dense import Linear, linearise, step_from
 from navfix.adjustment.landscape import landscape_of
 from navfix.adjustment.minimal import on_danger_circle
-from navfix.adjustment.network import Network, prior_residual
+from navfix.adjustment.network import Network
+from navfix.adjustment.sights import prior_residual
 from navfix.adjustment.start import Minimum, find_minima, follow_given, on_a_mark, separation
 from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs, Unobservable

@@ -20,7 +20,8 @@ from navfix.adjustment.damped import observation_weights
 from navfix.adjustment.dense import Descent, minimise, saddle_exits
 from navfix.adjustment.exchange import exchanges
 from navfix.adjustment.landscape import norms_of_targets
-from navfix.adjustment.network import Network, sight
+from navfix.adjustment.network import Network
+from navfix.adjustment.sights import sight
 from navfix.adjustment.trials import trial_fixes
 from navfix.adjustment.whitening import normal_matrix, whitened
 from navfix.kernels import Damping, Kernel

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.adjustment.network import RANGE, Network, effective_sigma, jacobian, residuals
+from navfix.adjustment.network import RANGE, Network
+from navfix.adjustment.sights import effective_sigma, jacobian, residuals
 from navfix.errors import Unobservable
 from navfix.types import FloatArray
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from navfix.adjustment.minimal import index_pairs, minimal_places
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, predict
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network
+from navfix.adjustment.sights import predict
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
 

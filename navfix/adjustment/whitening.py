@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from navfix.adjustment.network import Network, effective_sigma, jacobian, residuals, sight
+from navfix.adjustment.network import Network
+from navfix.adjustment.sights import effective_sigma, jacobian, residuals, sight
 from navfix.kernels import Damping
 from navfix.types import FloatArray
 

@@ -13,7 +13,8 @@ from pyproj import Proj, Transformer
 
 from navfix.adjustment.case import Case, case_of
 from navfix.adjustment.case_frame import network_about
-from navfix.adjustment.network import Network, jacobian
+from navfix.adjustment.network import Network
+from navfix.adjustment.sights import jacobian
 from navfix.adjustment.textbook import LinearStep, linear_step
 from navfix.types import FloatArray, PlanePosition
 

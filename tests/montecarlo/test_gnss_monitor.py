@@ -13,7 +13,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 
-from navfix.adjustment.network import jacobian
+from navfix.adjustment.sights import jacobian
 from navfix.adjustment.whitening import whitened
 from navfix.geodesy import LocalPlane
 from navfix.integrity import GnssMonitor

@@ -12,7 +12,8 @@ import pytest
 from navfix.adjustment.adjust_case import adjust_case
 from navfix.adjustment.case import Case, case_of
 from navfix.adjustment.minimal import minimal_places, on_danger_circle
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network, residuals
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
+from navfix.adjustment.sights import residuals
 from navfix.errors import Ambiguous, NoFix, Unobservable
 from navfix.types import PlanePosition
 

@@ -8,19 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from navfix.adjustment.network import (
-    RANGE,
-    RELATIVE_BEARING,
-    TRUE_BEARING,
-    Network,
-    curvature,
-    effective_sigma,
-    jacobian,
-    predict,
-    prior_residual,
-    residuals,
-    sight,
-)
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
+from navfix.adjustment.sights import curvature, effective_sigma, jacobian, predict, prior_residual, residuals, sight
 from navfix.adjustment.whitening import block_covariance, target_norms, whitened
 from navfix.errors import InputError
 from tests.adjustment_scenes import mixed_network, plane_scene

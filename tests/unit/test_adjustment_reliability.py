@@ -10,8 +10,9 @@ import pytest
 
 from navfix import catalog
 from navfix.adjustment.dense import minimise
-from navfix.adjustment.network import RANGE, TRUE_BEARING, Network, residuals
+from navfix.adjustment.network import RANGE, TRUE_BEARING, Network
 from navfix.adjustment.reliability import DELTA0, Quality, assess, global_test, radius_of_probability
+from navfix.adjustment.sights import residuals
 from navfix.adjustment.solve import Solution, solve
 from navfix.types import confidence_radius
 from tests.adjustment_scenes import mixed_network, plane_scene

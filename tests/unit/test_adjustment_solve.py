@@ -12,9 +12,10 @@ from navfix import catalog
 from navfix.adjustment.adjust_case import adjust_case
 from navfix.adjustment.case import case_of
 from navfix.adjustment.dense import minimise
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network, predict
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.observations import notes
 from navfix.adjustment.reliability import assess
+from navfix.adjustment.sights import predict
 from navfix.adjustment.solve import alternative, decisive_gap, finish, solve
 from navfix.adjustment.start import find_minima
 from navfix.adjustment.trials import trial_fixes

@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from navfix.adjustment.damped import own_sigma
-from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network, effective_sigma, jacobian, residuals
+from navfix.adjustment.network import RANGE, RELATIVE_BEARING, Network
+from navfix.adjustment.sights import effective_sigma, jacobian, residuals
 from navfix.adjustment.whitening import block_covariance
 from navfix.errors import Unobservable
 from navfix.kernels import Damping, Kernel
