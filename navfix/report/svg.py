@@ -7,20 +7,16 @@ carries the corners and the scale, so that a chart display can lay it over its o
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
 from xml.etree import ElementTree as ET
 
-from navfix.geodesy import direct
 from navfix.report import words
 from navfix.report.answer import Answer
-from navfix.report.drawing import frame, inset, symbols
+from navfix.report.drawing import frame, inset, symbols, title
+from navfix.report.drawing.georeference import georeference
 from navfix.report.drawing.labels import Labels
 from navfix.report.drawing.view import (
-    ECHO,
-    ELLIPSE,
     FONT,
     INK,
-    MARK,
     MUTED,
     OUTLIER,
     OWN,
@@ -33,20 +29,15 @@ from navfix.report.drawing.view import (
     nice,
     view_of,
 )  # fmt: skip
-from navfix.report.json_parts import ELLIPSE_PROBABILITIES, position_to_dict
-from navfix.report.numbers import iso_utc
+from navfix.report.json_parts import ELLIPSE_PROBABILITIES
 from navfix.report.scene import Scene, scene_of
 from navfix.report.tables import clipped
-from navfix.types import Fix, PlanePosition, Position
+from navfix.types import Fix, Position
 
 WIDTH, HEIGHT = 1000.0, 1000.0
 MAP = Box(0.0, 76.0, WIDTH, 836.0)
 LEGEND = Box(0.0, 914.0, WIDTH, 86.0)
-NAMESPACE = "urn:navfix:georeference:1"
 _STICK_LENGTH = 34.0  # what the larger residuals (90 % of them are shorter) measure in the picture
-_VERDICT_COLOUR = {"ok": MARK, "caution": ECHO, "unsafe": OUTLIER, "not_available": MUTED}
-
-Entry = tuple[str, Callable[[ET.Element, float, float], object]]
 
 
 def svg_text(answer: Answer, *, paper: bool = True) -> str:
@@ -63,15 +54,15 @@ def svg_text(answer: Answer, *, paper: bool = True) -> str:
             "font-family": FONT,
         },
     )
-    add(root, "title", " ".join(_title_lines(answer)[:1]))
-    _georeference(root, answer, scene, view)
+    add(root, "title", " ".join(title.lines(answer)[:1]))
+    georeference(root, answer, scene, view, MAP)
     if paper:
         add(root, "rect", id="paper", width=WIDTH, height=HEIGHT, fill=PAPER)
     add(add(root, "clipPath", id="map-clip"), "rect", x=MAP.x, y=MAP.y, width=MAP.width, height=MAP.height)
     _map(root, answer, scene, view)
     add(root, "rect", x=MAP.x, y=MAP.y, width=MAP.width, height=MAP.height, fill="none", stroke=INK, stroke_width=1)
-    frame.title(add(root, "g", id="title"), _title_lines(answer), _title_right(answer), WIDTH)
-    frame.legend(add(root, "g", id="legend"), LEGEND, list(_legend(answer, scene, _factor(scene, view))))
+    frame.title(add(root, "g", id="title"), title.lines(answer), title.right(answer), WIDTH)
+    frame.legend(add(root, "g", id="legend"), LEGEND, list(title.legend(answer, scene, _factor(scene, view))))
     ET.indent(root, " ")
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -206,128 +197,3 @@ def _write_labels(parent: ET.Element, answer: Answer, scene: Scene, view: View, 
         at = view.point(mark.north_m, mark.east_m)
         if mark.status == "unmatched" and MAP.holds(*at, 4.0):
             labels.put(parent, *at, mark.name, size=9.0, fill=MUTED)
-
-
-# -------------------------------------------------------------------------------------------------- title and legend
-
-
-def _title_lines(answer: Answer) -> list[str]:
-    fix, time = answer.fix, words.utc(answer.time_utc)
-    if fix is None:
-        reason = "" if answer.error is None else words.REASONS.get(answer.error.reason, answer.error.reason)
-        message = "" if answer.error is None else str(answer.error)
-        return [f"NO FIX · {reason}", clipped(f"{time} · {message}", 110), "the radar's picture, as it shows it"]
-    heading = "" if fix.heading_deg is None else f" · heading {words.bearing(fix.heading_deg)}"
-    ellipse = fix.ellipse(ELLIPSE_PROBABILITIES[0])
-    size = f"{ellipse.semi_major_m:.1f} x {ellipse.semi_minor_m:.1f} m"
-    return [
-        f"FIX · {words.place(fix.position)}{heading}",
-        f"{time} · ellipse 95 %: {size} · {_counts(answer)}",
-        _sure(fix),
-    ]
-
-
-def _counts(answer: Answer) -> str:
-    assert answer.fix is not None
-    pairs = len({(observation.target, observation.mark) for observation in answer.fix.observations})
-    if answer.epoch is None:
-        return words.plural(pairs, "pair")
-    targets, marks = len(answer.epoch.targets), len(answer.epoch.marks)
-    return f"{words.plural(pairs, 'pair')} of {words.plural(targets, 'target')} and {words.plural(marks, 'mark')}"
-
-
-def _sure(fix: Fix) -> str:
-    if fix.association is None or fix.association.probability_wrong is None:
-        return f"sigma0 {fix.sigma0:.2f} · redundancy {fix.redundancy} · kernel {fix.kernel}"
-    return f"{words.odds(fix.association.probability_wrong)} that this is another place · sigma0 {fix.sigma0:.2f}"
-
-
-def _title_right(answer: Answer) -> list[tuple[str, str]]:
-    lines: list[tuple[str, str]] = []
-    if answer.gnss is not None:
-        gnss = answer.gnss
-        apart = "" if gnss.verdict == "not_available" else f", {words.short_distance(gnss.distance_m)} off"
-        lines.append((f"GNSS {gnss.verdict.replace('_', ' ').upper()}{apart}", _VERDICT_COLOUR[gnss.verdict]))
-    if answer.truth is not None and answer.truth.error_m is not None:
-        lines.append((f"error {words.short_distance(answer.truth.error_m)}", MARK))
-    return lines
-
-
-def _legend(answer: Answer, scene: Scene, factor: float) -> Iterator[Entry]:
-    """Yield caption and symbol of what the picture shows."""
-    if scene.targets:
-        yield "radar target", lambda g, x, y: symbols.echo_at(g, x, y, 9.0, 0.0)
-    matched = {mark.kind for mark in scene.marks if mark.status != "unmatched"}
-    if "ship" in matched:
-        yield "AIS ship", lambda g, x, y: symbols.mark(g, x, y, "ship", "matched")
-    if "aton" in matched:
-        yield "aid to navigation", lambda g, x, y: symbols.mark(g, x, y, "aton", "matched")
-    if "charted" in matched:
-        yield "charted mark", lambda g, x, y: symbols.mark(g, x, y, "charted", "matched")
-    if any(mark.status == "unmatched" for mark in scene.marks):
-        yield "mark without a target", lambda g, x, y: symbols.mark(g, x, y, "ship", "unmatched")
-    if any(not stick.row.outlier for stick in scene.sticks):
-        caption = "residual, to scale" if factor == 1.0 else f"residual × {factor:g}"
-        yield caption, lambda g, x, y: symbols.residual_at(g, (x - 12.0, y), (x + 10.0, y), outlier=False)
-    if any(stick.row.outlier for stick in scene.sticks):
-        yield "outlier, to scale", lambda g, x, y: symbols.residual_at(g, (x - 12.0, y), (x + 12.0, y), outlier=True)
-    if answer.fix is not None:
-        yield "ellipse 95 %, 99 %", _ellipse_sample
-    names = {"plain_mean": "plain mean", "truth": "truth", "gnss": "GNSS", "alternative": "other place"}
-    for kind in dict.fromkeys(place.kind for place in scene.places):
-        yield names[kind], lambda g, x, y, kind=kind: symbols.place(g, x, y, kind)  # type: ignore[misc]
-
-
-def _ellipse_sample(parent: ET.Element, x: float, y: float) -> None:
-    add(parent, "ellipse", cx=x, cy=y, rx=8, ry=4.5, fill=ELLIPSE, fill_opacity=0.12, stroke=ELLIPSE)
-    add(parent, "ellipse", cx=x, cy=y, rx=12, ry=7, fill="none", stroke=ELLIPSE, stroke_dasharray="4 2")
-
-
-# -------------------------------------------------------------------------------------------------- georeference
-
-
-def _georeference(root: ET.Element, answer: Answer, scene: Scene, view: View) -> None:
-    """Write the projection, the scale and the map's corners into ``<metadata>``."""
-    scale = {"xmlns": NAMESPACE, "metresPerUnit": f"{1.0 / view.units_per_m:.9g}"}
-    time = iso_utc(answer.time_utc)
-    reference = ET.SubElement(add(root, "metadata"), "georeference", scale | ({} if time is None else {"time": time}))
-    ET.SubElement(reference, "projection").text = _projection(scene)
-    _located(reference, "origin", scene, view, view.point(0.0, 0.0))
-    for name, corner in _corners().items():
-        _located(reference, "corner", scene, view, corner).set("name", name)
-
-
-def _projection(scene: Scene) -> str:
-    if isinstance(scene.origin, Position):
-        return "azimuthal equidistant about the origin, WGS 84, north up"
-    if isinstance(scene.origin, PlanePosition):
-        return "plane, north up"
-    up = "the radar's zero mark up" if scene.head_up else "north up"
-    return f"range and bearing from own ship, {up}; own ship's place is unknown"
-
-
-def _located(parent: ET.Element, tag: str, scene: Scene, view: View, point: tuple[float, float]) -> ET.Element:
-    """Add an element with a point of the picture and its place."""
-    place = _place_names(scene, *view.metres(*point))
-    where = {"x": f"{point[0]:.6f}", "y": f"{point[1]:.6f}"} | {name: repr(value) for name, value in place.items()}
-    return ET.SubElement(parent, tag, where)
-
-
-def _corners() -> dict[str, tuple[float, float]]:
-    right, bottom = MAP.x + MAP.width, MAP.y + MAP.height
-    return {
-        "upper_left": (MAP.x, MAP.y),
-        "upper_right": (right, MAP.y),
-        "lower_right": (right, bottom),
-        "lower_left": (MAP.x, bottom),
-    }
-
-
-def _place_names(scene: Scene, north_m: float, east_m: float) -> dict[str, float | None]:
-    """Return latitude and longitude of a point, or its plane coordinates, or its metres about own ship."""
-    if isinstance(scene.origin, Position):
-        azimuth_deg = math.degrees(math.atan2(east_m, north_m))
-        return position_to_dict(direct(scene.origin, azimuth_deg, math.hypot(north_m, east_m)))
-    if isinstance(scene.origin, PlanePosition):
-        return position_to_dict(PlanePosition(scene.origin.north_m + north_m, scene.origin.east_m + east_m))
-    return {"ahead_m": round(north_m, 3), "starboard_m": round(east_m, 3)}

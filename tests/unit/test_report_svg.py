@@ -10,9 +10,10 @@ import pytest
 
 from navfix.geodesy import inverse
 from navfix.report import Answer
+from navfix.report.drawing.georeference import NAMESPACE
 from navfix.report.drawing.labels import Labels
 from navfix.report.drawing.view import Box, nice, view_of
-from navfix.report.svg import NAMESPACE, svg_text
+from navfix.report.svg import svg_text
 from navfix.types import Position
 from tests.factories import every_fix, every_no_fix, make_answer, make_fix, make_no_fix, make_plane_fix
 
