@@ -25,9 +25,8 @@ from navfix.catalog import (
 )
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, IntArray, SecondGroup
+from navfix.types.found import LARGEST_MARGIN
 from navfix.units import NM_M, wrap_pi
-
-LARGEST_MARGIN = 1000.0  # where there is no other place at all
 
 
 def associate(

@@ -107,7 +107,9 @@ def _certainty(fix: Fix) -> Iterator[str]:
     found = fix.association
     others = (*(() if found is None else found.alternatives), *fix.alternatives)
     if found is not None and found.probability_wrong is not None:
-        margin = "" if found.margin is None else f" (evidence {found.evidence or 0.0:.1f}, margin {found.margin:.1f})"
+        margin = (
+            "" if found.margin is None else f" (evidence {found.evidence or 0.0:.1f}, {words.margin(found.margin)})"
+        )
         odds = words.odds(found.probability_wrong)
         yield from entry("How sure", f"{odds} that this is another place{margin}")
     elif found is not None and found.method == "by_hand":

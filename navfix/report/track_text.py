@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from navfix.report import words
 from navfix.report.entries import entry
 from navfix.types import TrackState
+from navfix.types.found import LARGEST_MARGIN
 
 _WORDS = {"dead_reckoning": "DEAD RECKONING ONLY"}
 
@@ -19,7 +20,8 @@ def track_lines(track: TrackState | None) -> Iterator[str]:
     if track.confirmed_age_s is not None:
         parts.append(f"found {track.confirmed_age_s:.0f} s ago by a solve that does not know it")
     if track.ahead is not None:
-        parts.append(f"ahead of every other place by {track.ahead:.1f}")
+        alone = track.ahead >= LARGEST_MARGIN
+        parts.append("no other place beside it" if alone else f"ahead of every other place by {track.ahead:.1f}")
     if track.probability_wrong is not None:
         parts.append(f"{words.odds(track.probability_wrong)} that it is wrong")
     yield from entry("Track", "; ".join(parts))

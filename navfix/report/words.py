@@ -6,6 +6,7 @@ import math
 from datetime import UTC, datetime
 
 from navfix.types import PlanePosition, Position
+from navfix.types.found import LARGEST_MARGIN
 from navfix.units import NM_M, wrap_360
 
 REASONS = {
@@ -79,6 +80,11 @@ def odds(probability: float) -> str:
         if probability < limit:
             return f"at most {_one_or_two_digits_up(probability * scale)} in {words}"
     return f"at most {min(_one_or_two_digits_up(probability * 100.0), 99)} in a hundred"
+
+
+def margin(nats: float) -> str:
+    """Return by how much a place is ahead of the next: "margin 54.9", or that there is no other."""
+    return "no other place" if nats >= LARGEST_MARGIN else f"margin {nats:.1f}"
 
 
 def _one_or_two_digits_up(value: float) -> int:

@@ -165,7 +165,8 @@ class Belief:
         if not self.bank.hypotheses:
             return "cold: no place explains the tracks better than chance so far"
         best = self.bank.hypotheses[0]
+        ahead = f"ahead by {self.bank.ahead:.1f}" if math.isfinite(self.bank.ahead) else "with no other beside it"
         return (
-            f"cold: the best place has a score of {best.score:.1f}, ahead by {min(self.bank.ahead, 999.0):.1f}, "
-            f"with {best.marks} marks; it must be found again without shared data, or prove itself at once"
+            f"cold: the best place has a score of {best.score:.1f}, {ahead}, and {best.marks} marks; "
+            "it must be found again without shared data, or prove itself at once"
         )

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 from navfix.sequence.doubt import NOT_CHECKED
 from navfix.sequence.track import Held, Track
-from navfix.types import Association, DeadReckoning, Fix
-from navfix.types.track import TrackState, TrackStatus
+from navfix.types import Association, DeadReckoning, Fix, TrackState, TrackStatus
+from navfix.types.found import LARGEST_MARGIN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,7 +52,7 @@ def outcome_of(
         None if fix is None else track.probability_wrong,
         None if held is None else held.evidence,
         score,
-        None if ahead is None else min(ahead, 1000.0),
+        None if ahead is None else min(ahead, LARGEST_MARGIN),
         now_s - track.since_s,
         None if held is None else held.source,
         track.protection.innovation,

@@ -12,6 +12,8 @@ from navfix.types.checks import FloatArray, IntArray, frozen_array, require
 from navfix.types.observed import Epoch
 from navfix.types.places import PlanePosition, Position
 
+LARGEST_MARGIN = 1000.0  # nats: what is stated where there is no other place at all
+
 
 @dataclass(frozen=True, slots=True)
 class Alternative:

@@ -22,8 +22,7 @@ from navfix.association.window.settle import Settled, settle
 from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray
-
-LARGEST_MARGIN = 1000.0
+from navfix.types.found import LARGEST_MARGIN
 
 
 def associate_window(
