@@ -17,9 +17,10 @@ from navfix.errors import CatalogError, InputError
 from navfix.nmea import write
 from navfix.nmea.records import AisStatic
 from navfix.simulation import ais, radar, sensors, tracker
-from navfix.simulation.settings import AisSettings, OwnSensors, OwnShip, RadarSettings, TrafficGroup, require
+from navfix.simulation.settings import AisSettings, OwnSensors, OwnShip, RadarSettings, TrafficGroup
 from navfix.simulation.world import World, make_world, random_stream
 from navfix.types import Position
+from navfix.types.checks import require
 
 MAXIMUM_DURATION_S = 86400.0
 _TRUTH_INTERVAL_S = 1.0

@@ -6,16 +6,10 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any
 
-from navfix.errors import InputError
+from navfix.types.checks import require
 
 LAYOUTS = ("uniform", "anchorage", "lane", "buoy_channel")
 KINDS = ("ship", "aton", "virtual_aton", "base_station", "aircraft", "long_range")
-
-
-def require(condition: bool, name: str, rule: str, value: object) -> None:
-    """Raise InputError unless the condition holds."""
-    if not condition:
-        raise InputError(f"{name} {rule}, got {value!r}")
 
 
 def check_numbers(record: Any, *, signed: tuple[str, ...] = (), shares: tuple[str, ...] = ()) -> None:

@@ -13,13 +13,12 @@ import numpy as np
 
 from navfix.association.em import NOMINAL_LEVEL
 from navfix.association.matchings import log_mean_evidence
+from navfix.association.pairs import GATE
 from navfix.association.window.em import density_ratio, expect
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
-
-GATE = 11.8  # chi-square, 2 degrees of freedom, 99.73 %
 
 
 @dataclass(frozen=True, eq=False)
