@@ -29,6 +29,7 @@ class NavigatorModel:
     merge_deg: float
     drop_behind: float
     memory_s: float
+    steady_sq: float
     same_m: float
     plain_evidence: float
     plain_margin: float
@@ -57,6 +58,13 @@ class NavigatorModel:
     lapse_memory_s: float
     back_evidence: float
     drop_after_s: float
+    surprise_sq: float
+    surprises: int
+    beside_s: float
+    missed_factor: float
+    gyro_refuted_s: float
+    gyro_judged_s: float
+    gyro_differs_deg: float
     doubt_accepted: float
     doubt_per_nat: float
     doubt_reached: float

@@ -26,8 +26,6 @@ from navfix.sequence.places import Place, as_prior
 from navfix.sequence.yaw import YawLog
 from navfix.types import FloatArray
 
-LOST = -5.0  # what a pair is worth in a window where its track lives and is not near its ship
-STEADY_SQ = 1.0  # squared Mahalanobis distance to its own prior up to which a place pays nothing
 LOG_VOLUME = 1.5 * math.log(2.0 * math.pi)
 
 
@@ -126,7 +124,8 @@ class Bank:
         found = joint.warm(window, prior)
         places = places_of(window, found.answers.knots, found.answers.information)
         self._credit(self.hypotheses, found)
-        strayed = 0.5 * np.maximum(window.prior.given(prior).pose_misfit_sq(found.answers.knots) - STEADY_SQ, 0.0)
+        moved_sq = window.prior.given(prior).pose_misfit_sq(found.answers.knots)
+        strayed = 0.5 * np.maximum(moved_sq - self._model.steady_sq, 0.0)
         fading = math.exp(-self._model.bank_every_s / self._model.memory_s)
         for h, place, evidence, debt in zip(
             self.hypotheses, places, found.answers.evidence.tolist(), strayed.tolist(), strict=True
@@ -155,18 +154,18 @@ class Bank:
         labels = [m.label for m in window.field.scene.paths.marks]
         detection = _detection(window.field, knots)
         motion = _motion(window, knots)
-        alive = set(lives)
+        alive, lost = set(lives), pairs.LEAST_LOG_RATIO
         now_s = window.field.scene.middle_s + window.field.scene.end_s
         for k, h in enumerate(hypotheses):
             h.windows += 1
             h.motion.add(float(motion[k]))
             seen: dict[tuple[int, str], float] = {}
             for i, life in enumerate(lives):
-                for q in np.flatnonzero(log_ratio[k, i] > LOST):
+                for q in np.flatnonzero(log_ratio[k, i] > lost):
                     seen[life, labels[mark[k, i, q]]] = float(log_ratio[k, i, q])
             for pair in h.pairs.keys() | seen.keys():
                 if pair[0] in alive:
-                    h.pairs.setdefault(pair, Mean()).add(seen.get(pair, LOST))
+                    h.pairs.setdefault(pair, Mean()).add(seen.get(pair, lost))
             for j in np.flatnonzero(detection[k]):
                 mean = h.detection.setdefault(labels[j], Mean())
                 mean.add(float(detection[k, j]))

@@ -8,13 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from navfix.association.window.tracks import epoch_time
+from navfix.catalog import NavigatorModel
 from navfix.sequence.yaw import YawLog
 from navfix.types import Epoch
 from navfix.units import wrap_180
-
-_KEPT_S = 300.0
-_CONTRADICTS_DEG = 20.0  # more than the bearings of near targets change by themselves in a quarter of a minute
-_JUDGED_S = 20.0
 
 
 class GyroCheck:
@@ -23,10 +20,11 @@ class GyroCheck:
     Parameters
     ----------
     yaw : log of the turn that the bearings show
+    model : constants of the navigator
     """
 
-    def __init__(self, yaw: YawLog) -> None:
-        self._yaw = yaw
+    def __init__(self, yaw: YawLog, model: NavigatorModel) -> None:
+        self._yaw, self._model = yaw, model
         self._heard: deque[tuple[float, float]] = deque()
         self._refuted_until_s = -np.inf
 
@@ -37,14 +35,14 @@ class GyroCheck:
         """
         hint, now_s = epoch.heading_hint, epoch_time(epoch)
         self._heard.append((now_s, np.nan if hint is None else hint.heading_deg))
-        while now_s - self._heard[0][0] > _JUDGED_S:
+        while now_s - self._heard[0][0] > self._model.gyro_judged_s:
             self._heard.popleft()
         first_s, first_deg = self._heard[0]
         if self._refuted(float(wrap_180(self._heard[-1][1] - first_deg)), first_s, now_s):
-            self._refuted_until_s = now_s + _KEPT_S
+            self._refuted_until_s = now_s + self._model.gyro_refuted_s
         return replace(epoch, heading_hint=None) if now_s < self._refuted_until_s else epoch
 
     def _refuted(self, turned_deg: float, from_s: float, to_s: float) -> bool:
         """Tell whether the bearings show another turn than the gyro; not where they show none, nor of NaN."""
         off_deg = abs(float(wrap_180(turned_deg - self._yaw.between_deg(from_s, to_s))))
-        return off_deg > _CONTRADICTS_DEG and self._yaw.watched(from_s, to_s)
+        return off_deg > self._model.gyro_differs_deg and self._yaw.watched(from_s, to_s)

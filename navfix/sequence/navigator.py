@@ -57,7 +57,7 @@ class Navigator:
         self._track: Track | None = None
         self._last_cold_s = self._last_bank_s = -np.inf
         self._plain: Blind | None = None
-        self._gyro = GyroCheck(self.bank.yaw)
+        self._gyro = GyroCheck(self.bank.yaw, self._model)
         self._between = BetweenFixes()
         self._seen_s = -np.inf
 

@@ -12,19 +12,16 @@ from collections import deque
 
 import numpy as np
 
+from navfix.catalog import NavigatorModel
 from navfix.sequence.places import Place
-
-INNOVATION_LIMIT = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
-SURPRISES = 3  # in a row
-K_MISSED = 3.72  # normal quantile of 1e-4
-FRESH_S = 60.0
 
 
 class TrackProtection:
     """Remembers innovations and separations of one track."""
 
-    def __init__(self) -> None:
-        self._innovations: deque[float] = deque(maxlen=SURPRISES)
+    def __init__(self, model: NavigatorModel) -> None:
+        self._model = model
+        self._innovations: deque[float] = deque(maxlen=model.surprises)
         self._separation_m: float | None = None
         self._separated_s = -math.inf
         self._blind_sigma_m = math.inf
@@ -41,8 +38,8 @@ class TrackProtection:
     @property
     def surprised(self) -> bool:
         """Whether the last windows all lay farther from their priors than one in a thousand does."""
-        full = len(self._innovations) == SURPRISES
-        return full and min(self._innovations) > INNOVATION_LIMIT
+        full = len(self._innovations) == self._model.surprises
+        return full and min(self._innovations) > self._model.surprise_sq
 
     @property
     def innovation(self) -> float | None:
@@ -51,7 +48,7 @@ class TrackProtection:
 
     def level_m(self, place: Place) -> float | None:
         """Return the protection level [m] of a place, None where no blind solve of the last minute stands beside it."""
-        if self._separation_m is None or place.time_s - self._separated_s > FRESH_S:
+        if self._separation_m is None or place.time_s - self._separated_s > self._model.beside_s:
             return None
         sigma_m = float(np.hypot(place.sigma_m, self._blind_sigma_m))
-        return self._separation_m + K_MISSED * sigma_m
+        return self._separation_m + self._model.missed_factor * sigma_m

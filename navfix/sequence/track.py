@@ -58,7 +58,7 @@ class Track:
     ) -> None:
         self._model = model
         self.standing = standing or Standing(model, now_s)
-        self.protection = TrackProtection()
+        self.protection = TrackProtection(model)
         self.proven = proven
         self._history: deque[Place] = deque([place])
         self._evidence: deque[tuple[float, float]] = deque()

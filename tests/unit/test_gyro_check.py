@@ -6,6 +6,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from navfix.catalog import navigator_model
 from navfix.sequence.gyro_check import GyroCheck
 from navfix.sequence.yaw import YawLog
 from navfix.types import Epoch, HeadingHint, RadarTarget
@@ -30,7 +31,7 @@ def epochs(error_deg: float = 0.0, *, frozen: bool = False) -> list[Epoch]:
 def believed(scans: list[Epoch]) -> list[bool]:
     """Tell for each epoch whether its gyro is heard."""
     yaw = YawLog()
-    check, heard = GyroCheck(yaw), []
+    check, heard = GyroCheck(yaw, navigator_model()), []
     for epoch in scans:
         yaw.feed(epoch)
         heard.append(check.believed(epoch).heading_hint is not None)
@@ -50,7 +51,7 @@ def test_a_frozen_gyro_is_refuted_in_a_turn_and_stays_so() -> None:
 
 def test_a_turn_that_no_scan_showed_does_not_refute_the_gyro() -> None:
     yaw = YawLog()
-    check = GyroCheck(yaw)
+    check = GyroCheck(yaw, navigator_model())
     for k in range(121):
         hint = HeadingHint(30.0 if k <= 30 else min(30.0 + 2.0 * (k - 30), 120.0), 1.5)
         echoes = () if 20 < k < 100 else (RadarTarget("1", 5000.0, 90.0 if k <= 20 else 0.0),)

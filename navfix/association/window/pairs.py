@@ -21,7 +21,7 @@ from navfix.types import Epoch, FloatArray, IntArray
 if TYPE_CHECKING:
     from navfix.association.window.joint import Window
 
-LEAST_LOG_RATIO = -5.0
+LEAST_LOG_RATIO = -5.0  # what a pair is worth where its track lives and is not near its mark
 SAME_SCAN_S = 1.0  # the targets of a scan carry times of their own
 CERTAIN = 1e9  # larger ratios say no more, and lose the digits of the sums that they stand in
 
