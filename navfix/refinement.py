@@ -65,7 +65,7 @@ def refined(
         covariance=covariance,
         cofactor_matrix=covariance / fine.sigma0**2,
         association=found.association,
-        notes=(*rough.notes, *fine.notes),
+        notes=fine.notes,
     )
 
 
