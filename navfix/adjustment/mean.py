@@ -126,7 +126,12 @@ def factor_ellipses(fix: MeanFix, factors: Sequence[float] = (1.0, 2.0, 3.0, 4.0
 
 
 def probability_of_factor(factor: float) -> float:
-    """Return the probability that an ellipse at this Mahalanobis distance holds: 1 - exp(-factor^2 / 2)."""
+    """Return the probability that an ellipse at this Mahalanobis distance holds: 1 - exp(-factor^2 / 2).
+
+    Raises
+    ------
+    InputError : a factor outside 0 .. 8
+    """
     if not 0.0 < factor <= 8.0:
         raise InputError(f"an ellipse's factor must be within 0 .. 8, got {factor!r}")
     return -math.expm1(-0.5 * factor * factor)

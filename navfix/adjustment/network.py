@@ -151,6 +151,10 @@ class Network:
         """Return the same observations with the marks at other coordinates (a re-centred plane).
 
         What was checked and derived before does not depend on them, and is taken over.
+
+        Raises
+        ------
+        InputError : other than one finite place a mark
         """
         places = np.asarray(mark_ne_m, np.float64).reshape(-1, 2)
         if places.shape != self.mark_ne_m.shape or not np.all(np.isfinite(places)):

@@ -100,7 +100,12 @@ def problem_of(
 def observation_sigmas(
     pairs: Sequence[Pair], radar: RadarModel, range_sigma_m: float | None, bearing_sigma_deg: float | None
 ) -> FloatArray:
-    """Return (k, 2): sigma of range [m] and bearing [rad]; an explicit one, else the target's, else the radar's."""
+    """Return (k, 2): sigma of range [m] and bearing [rad]; an explicit one, else the target's, else the radar's.
+
+    Raises
+    ------
+    InputError : an explicit sigma that is not > 0
+    """
     for name, value in (("range_sigma_m", range_sigma_m), ("bearing_sigma_deg", bearing_sigma_deg)):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"{name} must be > 0, got {value}")

@@ -45,7 +45,12 @@ def table(kind: str, name: str) -> dict[str, Any]:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return the table of a model file outside or inside the catalogue; it must carry a title and a source."""
+    """Return the table of a model file outside or inside the catalogue; it must carry a title and a source.
+
+    Raises
+    ------
+    CatalogError : no such file, not readable as TOML, without a title or a source
+    """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
@@ -87,7 +92,12 @@ def _load(kind: str, name: str, record: type[Any]) -> Any:
 
 
 def build(record: type[Record], content: dict[str, Any], *, where: str) -> Record:
-    """Make a record of a table: every key known, every required key present, numbers where numbers belong."""
+    """Make a record of a table: every key known, every required key present, numbers where numbers belong.
+
+    Raises
+    ------
+    CatalogError : unknown or missing key, or no number; it names ``where``
+    """
     known = {field.name: field for field in fields(record)}  # type: ignore[arg-type]
     for key in content:
         if key not in known:

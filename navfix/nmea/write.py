@@ -45,7 +45,12 @@ def tag_block(time_s: float, source: str) -> str:
 
 
 def number(value: float | None, decimals: int, *, width: int = 0) -> str:
-    """Return a number with fixed decimals, blank for None; never ``-0.0``."""
+    """Return a number with fixed decimals, blank for None; never ``-0.0``.
+
+    Raises
+    ------
+    InputError : NaN or infinite
+    """
     if value is None:
         return ""
     if not math.isfinite(value):
@@ -106,6 +111,10 @@ def ttm(
     """Return TTM, tracked target message, in nautical miles and knots.
 
     The decimals of range and bearing follow from the report's resolutions; without them 0.01 NM and 0.1 deg.
+
+    Raises
+    ------
+    InputError : a target number outside 0 .. 999
     """
     if not 0 <= report.number <= 999:
         raise InputError(f"TTM: target number must be 0 .. 999, got {report.number}")

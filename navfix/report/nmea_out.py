@@ -33,7 +33,12 @@ def nmea_text(answer: Answer) -> str:
 
 
 def sentences(answer: Answer) -> list[str]:
-    """Return RMC, HDT and GST of a fix, RMC alone without one."""
+    """Return RMC, HDT and GST of a fix, RMC alone without one.
+
+    Raises
+    ------
+    InputError : the fix lies in a plane frame
+    """
     time = answer.time_utc
     if answer.fix is None:
         return [_rmc(time, None, valid=False, mode="N", status="V")]
