@@ -26,6 +26,7 @@ from navfix.units import wrap_pi
 
 NOMINAL_SHARE = 0.4  # of clutter among the echoes, while the pose is sought; the evidence averages over it
 REACH_SIGMA = 7.0  # beyond it a mark is no match
+GATE = 11.8  # of a pair: chi-square, 2 degrees of freedom, 99.73 %
 NOWHERE = 1e9 + 1e9j  # [m] where no target falls
 NOMINAL_LEVEL = 0.6  # of detection, likewise
 FREE_M, FREE_RAD = 3000.0, 0.5  # a pose without any match may move so far in a step

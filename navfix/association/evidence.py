@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE, REACH_SIGMA, Field, Fit, lay_over, odds_free_ratio
+from navfix.association.em import GATE, NOMINAL_LEVEL, NOMINAL_SHARE, REACH_SIGMA, Field, Fit, lay_over, odds_free_ratio
 from navfix.association.matchings import NEGLIGIBLE, Pairings, log_mean, log_terms
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
@@ -141,6 +141,6 @@ def _matched(field: Field, poses: int, matches: Matches) -> FloatArray:
     ratio = matches.at_levels(np.array([NOMINAL_LEVEL]))[0]
     by_target = matches.pose * len(field.scene.rho) + matches.target
     total = NOMINAL_SHARE + np.bincount(by_target, weights=ratio, minlength=1)[by_target]
-    taken = (ratio > 0.5 * total) & (matches.distance_sq < 11.8)
+    taken = (ratio > 0.5 * total) & (matches.distance_sq < GATE)
     distinct = np.unique(matches.pose[taken] * len(field.scene.z) + matches.mark[taken])
     return np.bincount(distinct // len(field.scene.z), minlength=poses).astype(np.float64)

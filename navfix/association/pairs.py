@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from navfix.association.em import NOMINAL_LEVEL, Field, lay_over, likelihood_ratio
+from navfix.association.em import GATE, NOMINAL_LEVEL, Field, lay_over, likelihood_ratio
 from navfix.association.seeds import Poses
 from navfix.types import FloatArray, IntArray
-
-GATE = 11.8  # chi-square, 2 degrees of freedom, 99.73 %
 
 
 def one_to_one(field: Field, pose: Poses) -> tuple[IntArray, FloatArray]:

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.em import NOMINAL_LEVEL
+from navfix.association.em import GATE, NOMINAL_LEVEL
 from navfix.association.matchings import log_mean_evidence
-from navfix.association.pairs import GATE
 from navfix.association.window.em import density_ratio, expect
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots, MotionPrior

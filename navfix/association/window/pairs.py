@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from navfix.association.em import NOMINAL_LEVEL, NOMINAL_SHARE
-from navfix.association.pairs import GATE, association_marginals
+from navfix.association.em import GATE, NOMINAL_LEVEL, NOMINAL_SHARE
+from navfix.association.pairs import association_marginals
 from navfix.association.window.em import density_ratio
 from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
 from navfix.association.window.knots import Knots
