@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import importlib
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
-from functools import cache
-from typing import Any
-
-import numpy as np
+from functools import cache, partial
 
 from navfix.adjustment import graph, mean_fix
 from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
-from navfix.association.grey_pairs import grey_association, poses_between
-from navfix.association.grey_tracks import OwnPose as OwnHeading
 from navfix.association.window.associate import solve_window
 from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
@@ -25,18 +19,16 @@ from navfix.integrity.cautions import association_cautions, heading_notes
 from navfix.kernels import Kernel
 from navfix.nmea import Log
 from navfix.picture import epochs as _epochs
-from navfix.picture.fusion import OwnPose, fused_list, lists_apart
-from navfix.picture.sensor_tracks import SensorTracks
 from navfix.refinement import refined
 from navfix.report.answer import Answer
 from navfix.report.data_used import chart_cautions
 from navfix.report.timing import StepClock
-from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Pairing, Position, TargetList
+from navfix.target_list import listed
+from navfix.types import Association, Epoch, Fix, Mark, MeanFix, Pairing, TargetList
 
 __all__ = ["answer", "answer_of_window", "beside", "epochs", "fix", "targets", "watched"]
 
 Method = str | AssociationModel | CpdModel
-GREY_STEP_S = 10.0
 
 
 def fix(
@@ -155,48 +147,8 @@ def targets(
     ------
     InputError : no epoch
     """
-    tracks, filtered, seen = SensorTracks(), None, list[Epoch]()
-    for newest in history:
-        filtered = tracks.feed(newest)
-        seen.append(newest)
-    if filtered is None:
-        raise InputError("a list of targets needs at least one epoch, got none")
-    solved = answer(seen[-1], radar=radar, kernel=kernel, method=method)
-    if solved.fix is None:
-        return lists_apart(filtered, reason=getattr(solved.error, "reason", ""), message=str(solved.error), radar=radar)
-    pairs = solved.fix.association or Association(pairs=np.zeros((0, 2), np.int64), probability=np.zeros(0))
-    if pairing == "grey":
-        fixes = {len(seen) - 1: solved.fix, **_fixed_every(seen[:-1], radar=radar, kernel=kernel, method=method)}
-        known = {_time_s(seen[k]): _heading_at(found) for k, found in fixes.items()}
-        pairs = grey_association(seen, poses_between(seen, known), radar=radar)
-    return replace(fused_list(filtered, _own_pose(solved.fix), pairs, radar=radar), pairing=pairing)
-
-
-def _fixed_every(seen: Sequence[Epoch], **options: Any) -> dict[int, Fix]:
-    """Return fixes of some of the epochs by their number, one in ten seconds at most, where there is one."""
-    found: dict[int, Fix] = {}
-    due_s = -math.inf
-    for number, epoch in enumerate(seen):
-        if _time_s(epoch) >= due_s:
-            solved = answer(epoch, **options)
-            if solved.fix is not None:
-                found[number], due_s = solved.fix, _time_s(epoch) + GREY_STEP_S
-    return found
-
-
-def _heading_at(found: Fix) -> OwnHeading:
-    assert isinstance(found.position, Position)
-    return OwnHeading(found.position, found.heading_deg or 0.0)  # true bearings need none
-
-
-def _time_s(epoch: Epoch) -> float:
-    return -math.inf if epoch.time_utc is None else epoch.time_utc.timestamp()
-
-
-def _own_pose(found: Fix) -> OwnPose:
-    assert isinstance(found.position, Position)
-    sigma_deg = found.compass_error_sigma_deg or 0.0
-    return OwnPose(found.position, found.heading_deg, found.covariance, found.compass_error_deg, sigma_deg**2)
+    solve = partial(answer, radar=radar, kernel=kernel, method=method)
+    return listed(history, solve, radar=radar, pairing=pairing)
 
 
 def answer_of_window(

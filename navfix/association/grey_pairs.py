@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from navfix.association.grey import GreyMatch, PolarTrack, match_tracks
-from navfix.association.grey_tracks import OwnPose, polar_tracks
+from navfix.association.grey_tracks import SeenFrom, polar_tracks
 from navfix.catalog import RadarModel
 from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
@@ -19,7 +19,7 @@ WHOLE = 3.0  # the degree of a match whose ranges, bearings and speeds do not di
 
 
 def grey_association(
-    epochs: Sequence[Epoch], poses: Sequence[OwnPose], *, radar: RadarModel | str = "imo"
+    epochs: Sequence[Epoch], poses: Sequence[SeenFrom], *, radar: RadarModel | str = "imo"
 ) -> Association:
     """Pair the targets and the marks of the last epoch by grey relation of their tracks.
 
@@ -56,7 +56,7 @@ def grey_association(
     )
 
 
-def poses_between(epochs: Sequence[Epoch], known: Mapping[float, OwnPose]) -> tuple[OwnPose, ...]:
+def poses_between(epochs: Sequence[Epoch], known: Mapping[float, SeenFrom]) -> tuple[SeenFrom, ...]:
     """Return own pose at every epoch from those that are known at some times [POSIX s], on straight lines between.
 
     Before the first and after the last known pose it stays where it is.
@@ -75,7 +75,7 @@ def poses_between(epochs: Sequence[Epoch], known: Mapping[float, OwnPose]) -> tu
     for epoch in epochs:
         assert epoch.time_utc is not None
         here = [float(np.interp(epoch.time_utc.timestamp(), times, values)) for values in (north, east, heading)]
-        made.append(OwnPose(plane.to_position(here[0], here[1]), math.degrees(here[2]) % 360.0))
+        made.append(SeenFrom(plane.to_position(here[0], here[1]), math.degrees(here[2]) % 360.0))
     return tuple(made)
 
 

@@ -18,7 +18,7 @@ _SPEED_SPAN_S = 20.0  # a radar that tells no ground speed: from where it was so
 
 
 @dataclass(frozen=True, slots=True)
-class OwnPose:
+class SeenFrom:
     """Where own ship was at an epoch, and where the radar's zero mark pointed [deg]: known, or fixed before."""
 
     position: Position
@@ -26,7 +26,7 @@ class OwnPose:
 
 
 def polar_tracks(
-    epochs: Sequence[Epoch], poses: Sequence[OwnPose]
+    epochs: Sequence[Epoch], poses: Sequence[SeenFrom]
 ) -> tuple[tuple[PolarTrack, ...], tuple[PolarTrack, ...]]:
     """Return the tracks of the targets and those of the marks, by label, in the order of time.
 
@@ -53,7 +53,7 @@ def polar_tracks(
     return seen, tuple(_track(label, rows, own_at) for label, rows in marks.items())
 
 
-def _own_plane(poses: Sequence[OwnPose]) -> FloatArray:
+def _own_plane(poses: Sequence[SeenFrom]) -> FloatArray:
     """Return own places (n, 2) [m] about the first one."""
     rows = [inverse(poses[0].position, pose.position) for pose in poses]
     return np.array([(d * math.cos(math.radians(a)), d * math.sin(math.radians(a))) for d, a in rows]).reshape(-1, 2)

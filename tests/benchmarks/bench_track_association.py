@@ -16,7 +16,7 @@ import numpy as np
 
 from navfix.association import associate
 from navfix.association.grey import PolarTrack, match_tracks
-from navfix.association.grey_tracks import OwnPose, polar_tracks
+from navfix.association.grey_tracks import SeenFrom, polar_tracks
 from navfix.errors import NoFix
 from navfix.nmea import read_log
 from navfix.picture import epochs as epochs_of
@@ -182,7 +182,7 @@ def judged(answer: Answer, truth: Mapping[str, str | None]) -> tuple[float, floa
 
 
 def compare(
-    name: str, epochs: list[Epoch], poses: list[OwnPose], mmsi: list[dict[str, int]], *, least: int = 12
+    name: str, epochs: list[Epoch], poses: list[SeenFrom], mmsi: list[dict[str, int]], *, least: int = 12
 ) -> None:
     """Print a row for each method."""
     originals = [[target.label for target in epoch.targets] for epoch in epochs]
@@ -217,7 +217,7 @@ def simulated(name: str, text: str, seed: int) -> None:
     scenario = from_text(SCENE.format(name=name) + text)
     made = simulate(scenario, seed)
     epochs = list(epochs_of(read_log(made.lines, report=False).records))
-    track = {round(row.unix_s): OwnPose(Position(row.lat_deg, row.lon_deg), row.radar_zero_deg) for row in made.truth}
+    track = {round(row.unix_s): SeenFrom(Position(row.lat_deg, row.lon_deg), row.radar_zero_deg) for row in made.truth}
     rows: dict[int, dict[str, int]] = defaultdict(dict)
     for row in made.association:
         rows[round(row.unix_s)][f"{row.target_number:02d}"] = row.mmsi
@@ -237,16 +237,16 @@ def recorded(folder: Path, name: str, minutes: float) -> None:
         for row in csv.DictReader(lines):
             rows[int(float(row["unix"]))][f"{int(row['target_no']):02d}"] = int(row["mmsi"])
 
-    def pose(time_s: float) -> OwnPose | None:
+    def pose(time_s: float) -> SeenFrom | None:
         truth = way.at(time_s)
         heading = None if truth is None else truth.heading_deg
-        return None if truth is None or heading is None else OwnPose(truth.position, heading + 3.0)
+        return None if truth is None or heading is None else SeenFrom(truth.position, heading + 3.0)
 
     _compare_epochs(name, epochs, pose, rows)
 
 
 def _compare_epochs(
-    name: str, epochs: list[Epoch], pose: Callable[[float], OwnPose | None], rows: Mapping[int, dict[str, int]]
+    name: str, epochs: list[Epoch], pose: Callable[[float], SeenFrom | None], rows: Mapping[int, dict[str, int]]
 ) -> None:
     kept, poses, mmsi = [], [], []
     for epoch in epochs:

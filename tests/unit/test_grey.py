@@ -23,7 +23,7 @@ from navfix.association.grey import (
     section_length,
 )
 from navfix.association.grey_pairs import grey_association, poses_between
-from navfix.association.grey_tracks import OwnPose, polar_tracks
+from navfix.association.grey_tracks import SeenFrom, polar_tracks
 from navfix.catalog import radar_model, track_association_model
 from navfix.errors import InputError
 from navfix.geodesy import direct, inverse
@@ -159,7 +159,7 @@ def test_epochs_about_known_poses_become_tracks() -> None:
         target = RadarTarget("07", range_m, bearing_deg - 30.0)
         now = datetime(2026, 1, 1, tzinfo=UTC) + timedelta(seconds=2.5 * turn)
         epochs.append(Epoch(now, (target,), (Mark("1", ship, 10.0, speed_mps=0.0), Mark("2", own, 10.0))))
-        poses.append(OwnPose(here, 30.0))
+        poses.append(SeenFrom(here, 30.0))
     targets, marks = polar_tracks(epochs, poses)
     assert [t.label for t in targets] == ["07"]
     assert targets[0].bearing_deg == pytest.approx(marks[0].bearing_deg)
@@ -167,7 +167,7 @@ def test_epochs_about_known_poses_become_tracks() -> None:
     assert match_track(targets[0], marks).ais == "1"
 
 
-def past_two_ships(turns: int = 20) -> tuple[list[Epoch], list[OwnPose]]:
+def past_two_ships(turns: int = 20) -> tuple[list[Epoch], list[SeenFrom]]:
     """Return epochs of a ship that runs past two others at anchor, across 180 deg, of which one is seen twice."""
     own, epochs, poses = Position(60.0, 179.999), [], []
     ships = [direct(own, 45.0, 3000.0), direct(own, 300.0, 5000.0)]
@@ -180,7 +180,7 @@ def past_two_ships(turns: int = 20) -> tuple[list[Epoch], list[OwnPose]]:
             targets.append(RadarTarget(label, range_m, bearing_deg - 30.0))
         marks = tuple(Mark(str(k), ship, 10.0, speed_mps=0.0) for k, ship in enumerate(ships))
         epochs.append(Epoch(START + timedelta(seconds=2.5 * turn), tuple(targets), marks))
-        poses.append(OwnPose(here, 30.0))
+        poses.append(SeenFrom(here, 30.0))
     return epochs, poses
 
 
@@ -195,7 +195,7 @@ def test_of_two_echoes_near_one_ship_the_nearer_is_paired() -> None:
 def test_poses_between_fixes_lie_on_straight_lines_and_headings_go_the_short_way() -> None:
     epochs, poses = past_two_ships(5)
     first, last = (epoch.time_utc.timestamp() for epoch in (epochs[0], epochs[-1]))
-    known = {first: OwnPose(poses[0].position, 350.0), last: OwnPose(poses[-1].position, 10.0)}
+    known = {first: SeenFrom(poses[0].position, 350.0), last: SeenFrom(poses[-1].position, 10.0)}
     between = poses_between(epochs, known)
     assert inverse(between[2].position, poses[2].position)[0] < 0.1
     assert math.cos(math.radians(between[2].heading_deg)) == pytest.approx(1.0)
