@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from navfix.association.window import gyro
 from navfix.association.window.joint import Joint
 from navfix.catalog import NavigatorModel
 from navfix.sequence.bank import Bank, Hypothesis, places_of
@@ -15,7 +16,10 @@ from navfix.sequence.places import Place
 
 @dataclass(frozen=True, eq=False)
 class Blind:
-    """The best answer of one blind solve: its data are of ``begin_s`` .. ``end_s`` [POSIX s]."""
+    """The best answer of one blind solve: its data are of ``begin_s`` .. ``end_s`` [POSIX s].
+
+    ``margin`` is what is left of the lead if the compass, where there is one, is wrong.
+    """
 
     begin_s: float
     end_s: float
@@ -31,7 +35,7 @@ def blind_of(found: Joint, window_s: float) -> Blind | None:
         return None
     best = found.answers.take(np.array([0]))
     place = places_of(found.window, best.knots, best.information)[0]
-    margin = found.answers.margin
+    margin = found.answers.margin - gyro.price(found.window)
     return Blind(place.time_s - window_s, place.time_s, place, float(best.evidence[0]), margin, int(best.marks[0]))
 
 
@@ -98,10 +102,10 @@ class Acceptance:
         model = self._model
         here = [b for b in self._blind if self._agrees(b.place, h.place)]
         if any(self.sure(b) for b in here if b.end_s >= h.place.time_s - model.bank_every_s):
-            return model.least_ahead
+            return model.least_ahead + h.compass_price
         findings = [b for b in here if self.fair(b)]
         twice = any(later.begin_s >= earlier.end_s for earlier in findings for later in findings)
-        return max(model.least_ahead, model.again_ahead) if twice else None
+        return max(model.least_ahead, model.again_ahead) + h.compass_price if twice else None
 
     def _apart(self, one: Hypothesis, other: Hypothesis) -> bool:
         return one.place.differs(other.place, self._model.same_m, self._model.apart_deg)

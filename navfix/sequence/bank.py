@@ -16,7 +16,7 @@ import numpy as np
 
 from navfix.association.matchings import log_mean_evidence
 from navfix.association.scene import heading_of, position_of
-from navfix.association.window import jackknife, joint, pairs
+from navfix.association.window import gyro, jackknife, joint, pairs
 from navfix.association.window.fit import WindowField, as_clutter, lay_over
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.knots import Knots
@@ -53,7 +53,8 @@ class Hypothesis:
     """A place with what speaks for it: log ratios by (life, mark), detection by mark, own motion against the null.
 
     ``strayed`` is what it pays for moving away from where it said it would be: a place that wanders from ship to ship
-    collects the evidence of many accidents.
+    collects the evidence of many accidents. ``compass`` is what own compass says of its heading, one piece of evidence
+    however often it is read; ``compass_price`` what a wrong one could feign.
     """
 
     place: Place
@@ -61,6 +62,8 @@ class Hypothesis:
     detection: dict[str, Mean] = field(default_factory=dict)
     strayed: float = 0.0
     motion: Mean = field(default_factory=Mean)
+    compass: Mean = field(default_factory=Mean)
+    compass_price: float = 0.0
     windows: int = 0
     score: float = -math.inf
     marks: int = 0
@@ -154,11 +157,15 @@ class Bank:
         labels = [m.label for m in window.field.scene.paths.marks]
         detection = _detection(window.field, knots)
         motion = _motion(window, knots)
+        compass, price = gyro.gain(found, gyro.heading_prior(window)), gyro.price(window)
         alive, lost = set(lives), pairs.LEAST_LOG_RATIO
         now_s = window.field.scene.middle_s + window.field.scene.end_s
         for k, h in enumerate(hypotheses):
             h.windows += 1
             h.motion.add(float(motion[k]))
+            if compass is not None:
+                h.compass.add(float(compass[k]))
+                h.compass_price = price
             seen: dict[tuple[int, str], float] = {}
             for i, life in enumerate(lives):
                 for q in np.flatnonzero(log_ratio[k, i] > lost):
@@ -201,9 +208,8 @@ class Bank:
         log_mean = float(log_mean_evidence(levels, index, np.array(self._shared.clutter_share), len(marks))[0])
         volume = LOG_VOLUME + 0.5 * float(np.linalg.slogdet(h.place.covariance)[1])
         explained = int((log_ratio.max(axis=0) > 1.0).sum())
-        return log_mean - h.strayed + min(h.motion.value, 0.0) + min(
-            volume - log_area - math.log(2.0 * math.pi), 0.0
-        ), explained
+        place = min(volume - log_area - math.log(2.0 * math.pi), 0.0) + h.compass.value
+        return log_mean - h.strayed + min(h.motion.value, 0.0) + place, explained
 
     def _prune(self) -> None:
         """Keep the best of every group that has come together, and nothing far behind the best."""

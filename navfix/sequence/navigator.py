@@ -14,7 +14,7 @@ from datetime import datetime
 import numpy as np
 
 from navfix.adjustment.window.prior import KnownPose
-from navfix.association.window import joint
+from navfix.association.window import gyro, joint
 from navfix.association.window.associate import WindowAnswer
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.tracks import epoch_time
@@ -147,7 +147,7 @@ class Navigator:
         if window is None:
             return None
         self._last_cold_s = now_s
-        found = joint.cold(window)
+        found = gyro.cold(window)
         best = blind_of(found, min(self._model.window_s, self._span_s(now_s)))
         self._belief.acceptance.note(best)
         self._plain = best if best is not None and self._belief.acceptance.plain(best) else None
@@ -193,7 +193,7 @@ class Navigator:
                 whole = window if abs(length_s - since_s) < 1.0 else None
                 if found is None:
                     whole = whole or self._prepare(now_s, length_s)
-                    found = None if whole is None else joint.cold(whole)
+                    found = None if whole is None else gyro.cold(whole)
                 if found is not None:
                     births.append(found)
                     self._belief.acceptance.note(blind_of(found, length_s))
@@ -228,7 +228,7 @@ class Navigator:
         track, window = self._track, self._prepare(now_s, self._model.window_s)
         if track is None or window is None:
             return None
-        found = joint.cold(window)
+        found = gyro.cold(window)
         row = track.row_at_place(found, now_s)
         return None if row is None else track.take_blind(found, self._adjust, now_s, row)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -69,10 +68,8 @@ def solve_window(
     require_order(epochs)
     window = joint.prepare(epochs, window_model(model), association_model(shared))
     require_enough(window)
-    hint = gyro.heading_prior(window)
-    near = partial(gyro.plausible, window, hint) if hint.has_hint else None
-    found = gyro.weighed(joint.cold(window, near), hint)
-    require_agreement(found, hinted=hint.has_hint)
+    found = gyro.cold(window)
+    require_agreement(found, hinted=gyro.heading_prior(window).has_hint)
     return window_answer(found, settle(found, window.prior, fewest_marks=window.field.model.fewest_marks))
 
 

@@ -8,18 +8,45 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from navfix.association.prior import Prior
 from navfix.association.seeds import Poses
-from navfix.association.window import jackknife
+from navfix.association.window import jackknife, joint
 from navfix.association.window.evidence import Answers
 from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.tracks import epoch_time
 from navfix.types import FloatArray
 from navfix.units import wrap_pi
+
+
+def cold(window: Window) -> Joint:
+    """Find every own motion that explains the window, the compass as evidence where there is one; best first."""
+    hint = heading_prior(window)
+    near = partial(_plausible, window, hint) if hint.has_hint else None
+    found = joint.cold(window, near)
+    gained = gain(found, hint)
+    if gained is None:
+        return found
+    evidence = found.answers.evidence + gained
+    order = np.argsort(-evidence, kind="stable")
+    return Joint(window, replace(found.answers, evidence=evidence).take(order))
+
+
+def gain(found: Joint, hint: Prior) -> FloatArray | None:
+    """Return what the hint adds to the evidence of each answer (k,) of a window, None where there is no hint."""
+    if not hint.has_hint or not len(found.answers):
+        return None
+    return hint.log_gain(*_at_end(found.window, found.answers))
+
+
+def price(window: Window) -> float:
+    """Return what a wrong compass could feign of a lead [nats]: asked for in addition where there is one, else 0."""
+    hint = heading_prior(window)
+    return -math.log(hint.wrong_share) if hint.has_hint else 0.0
 
 
 def heading_prior(window: Window) -> Prior:
@@ -49,21 +76,11 @@ def _newest_hint(window: Window) -> tuple[float, float] | None:
     return None
 
 
-def plausible(window: Window, hint: Prior, poses: Poses) -> np.ndarray:
+def _plausible(window: Window, hint: Prior, poses: Poses) -> np.ndarray:
     """Tell which poses (k,) of the gauge knot, in the de-rotated frame, are near the hint when laid at the end."""
     shape, gauge = window.null.shape, window.field.scene.gauge
     turn = float(shape.heading_rad[0, -1] - shape.heading_rad[0, gauge]) + window.field.scene.yaw_at_end
     return hint.plausible(Poses(poses.p, poses.heading_rad + turn))
-
-
-def weighed(found: Joint, hint: Prior) -> Joint:
-    """Return the answers of a window with what the hint says in their evidence, best first."""
-    answers = found.answers
-    if not hint.has_hint or not len(answers):
-        return found
-    evidence = answers.evidence + hint.log_gain(*_at_end(found.window, answers))
-    order = np.argsort(-evidence, kind="stable")
-    return Joint(found.window, replace(answers, evidence=evidence).take(order))
 
 
 def notes(window: Window, pose: PoseAtEnd) -> tuple[str, ...]:
