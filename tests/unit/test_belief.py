@@ -171,3 +171,13 @@ def test_a_place_is_lost_when_it_goes_unseen_for_long():
     assert not held.given_up
     held.lose_at(NOW_S + 600.0)
     assert held.given_up.startswith("lost")
+
+
+def test_where_there_is_a_compass_a_place_needs_a_larger_lead():
+    leads = {}
+    for price in (0.0, 3.0):
+        acceptance, h = Acceptance(MODEL), replace(hypothesis(place(), 9.0), compass_price=price)
+        acceptance.note(Blind(NOW_S - 60.0, NOW_S, place(), 20.0, 20.0, 8))
+        leads[price] = acceptance._needed_lead(h)
+    assert leads[0.0] == MODEL.least_ahead
+    assert leads[3.0] == pytest.approx(MODEL.least_ahead + 3.0)

@@ -13,11 +13,14 @@ import pytest
 import navfix
 from navfix.adjustment.window import adjust_window
 from navfix.association.window import gyro, joint
+from navfix.catalog import navigator_model
 from navfix.errors import NoFix
 from navfix.geodesy import inverse
 from navfix.nmea import read_log
 from navfix.picture import epochs
 from navfix.report.truth import TruthTrack
+from navfix.sequence.acceptance import blind_of
+from navfix.sequence.bank import Bank
 from navfix.types import Association, Epoch, HeadingHint
 from navfix.units import wrap_180
 from tests.window_scenes import passage
@@ -125,3 +128,23 @@ def test_a_turn_that_no_echo_shows_is_that_of_the_gyro():
     errors_deg = [abs(made.heading_error_deg(adjust_window(s, made.pairs).heading_deg)) for s in (blanked, plain)]
     assert errors_deg[0] < 1.0
     assert errors_deg[1] > 3.0
+
+
+@pytest.mark.parametrize(("off_deg", "least", "most"), [(0.5, 2.0, 4.5), (90.0, -3.1, -2.9)])
+def test_a_place_over_minutes_counts_its_compass_once(off_deg: float, least: float, most: float):
+    bank = Bank(navigator_model())
+    for first in (4, 16, 28):  # windows that share no data
+        window = joint.prepare(with_gyro(recorded()[first : first + 12], off_deg))
+        bank.feed(window, [gyro.cold(window)])
+    right = bank.hypotheses[0]
+    assert inverse(truth_at(recorded()[39]).position, right.place.position)[0] < 150.0
+    assert right.compass.count >= 2
+    assert least < right.compass.value < most
+
+
+def test_the_lead_that_a_wrong_compass_could_feign_is_asked_for_in_addition():
+    window, without = (joint.prepare(with_gyro(few_ships(0), off_deg)) for off_deg in (0.0, None))
+    assert gyro.price(window) == pytest.approx(np.log(20.0))
+    assert gyro.price(without) == 0.0
+    found = gyro.cold(window)
+    assert blind_of(found, 30.0).margin == pytest.approx(found.answers.margin - np.log(20.0))
