@@ -3,8 +3,8 @@
     python tests/benchmarks/bench_window.py [--runs N]
 
 Passages with 20 targets, a tenth of them wrong, a scan every 3 s, gyro and log in a current of 0.6 m/s; radar 30 m and
-1 deg, new in every scan; AIS antennas 10 m off, for good. The last rows show what happens when the current, or that
-errors stay, is left out: the covariance is a lie.
+1 deg, new in every scan where nothing else is said; AIS antennas 10 m off, for good. The last rows show what happens
+when the current, or that errors stay, is left out: the covariance is a lie.
 """
 
 from __future__ import annotations
@@ -90,16 +90,22 @@ def without_current(one: Passage) -> Fix:
     return adjust_window(epochs, one.pairs, solver="dense", model=NO_CURRENT, kernel="none")
 
 
+def _passages(runs: int, *, wrong: int = 2, errors: Errors = ERRORS) -> list[Passage]:
+    rngs = (np.random.default_rng(seed) for seed in range(runs))
+    return [passage(rng, epochs=60, targets=20, wrong=wrong, errors=errors, reach_m=REACH_M, mates=0.3) for rng in rngs]
+
+
 def rows(runs: int) -> Iterator[Row]:
     """Yield the table."""
-    passages = [
-        passage(np.random.default_rng(seed), epochs=60, targets=20, wrong=2, errors=ERRORS, reach_m=REACH_M, mates=0.3)
-        for seed in range(runs)
-    ]
+    passages = _passages(runs)
     yield measured("single scan", single, passages)
     for scans in (20, 40, 60):
         road = windowed(scans, solver="dense")
         yield measured(f"window of {3 * scans} s, offsets and current, normal equations", road, passages)
+    short = windowed(20, solver="dense")
+    yield measured("window of 60 s, no wrong marks", short, _passages(runs, wrong=0))
+    stays = _passages(runs, errors=replace(ERRORS, steady=0.5))
+    yield measured("window of 60 s, half of the radar's error stays", short, stays)
     few = passages[: max(4, runs // 4)]
     if graph.available():
         for scans in (20, 60):
