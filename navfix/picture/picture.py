@@ -180,12 +180,12 @@ def epochs(
     motion : the model that carries moving ships
     silent_s : an epoch without targets so often while radar is silent (default: none)
     """
+    picture = Picture(radar=radar, charted=charted, motion=motion)
     if last:
         records = tuple(records)
-        at = _last_scan_time(records)
-        if at is None:
-            return
-    picture = Picture(radar=radar, charted=charted, motion=motion)
+        newest_of_all = sum(1 for _ in scans(Picture(), records)) - 1  # epochs are made only where they are wanted
+        yield from (picture.epoch(s) for count, s in enumerate(scans(picture, records)) if count == newest_of_all)
+        return
     newest: Epoch | None = None
     for count, scan in enumerate(scans(picture, records, silent_s=silent_s)):
         if at is None:
@@ -215,14 +215,6 @@ def radar_target(report: TargetReport, radar: RadarModel) -> RadarTarget:
         bearing_sigma_deg=math.hypot(radar.bearing_sigma_deg, report.bearing_resolution_deg / math.sqrt(12.0)),
         status=report.status,
     )
-
-
-def _last_scan_time(records: Iterable[Record]) -> datetime | None:
-    """Return when the last complete scan was (a first pass: epochs are made only where they are wanted)."""
-    scan = None
-    for scan in scans(Picture(), records):  # noqa: B007 (the last one is wanted)
-        pass
-    return None if scan is None else datetime.fromtimestamp(scan.time_s, UTC)
 
 
 def scans(picture: Picture, records: Iterable[Record], *, silent_s: float | None = None) -> Iterator[Scan]:

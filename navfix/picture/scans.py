@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,7 +26,8 @@ class Scan:
 class ScanBuilder:
     """Groups target reports into scans as they come.
 
-    A new scan begins when a target is reported again, or when a turn has passed since the scan began.
+    A new scan begins when a target is reported again, or when a turn has passed since the scan began. The same report
+    twice, as a log holds it that two listeners wrote, is one.
     """
 
     def __init__(self) -> None:
@@ -46,6 +47,8 @@ class ScanBuilder:
         if time_s is None:
             return None
         key = (report.talker, report.number)
+        if self._repeats(key, time_s, report):
+            return None
         closed = self._close() if self._begins_new(key, time_s) else None
         self._note_gap(key, time_s)
         self._current[key] = (time_s, report)
@@ -59,6 +62,14 @@ class ScanBuilder:
         """Return the scan under way when it is complete: it holds what the scan before it held."""
         complete = set(self._previous) - self._lost_before() <= set(self._current)
         return self._close() if self._current and complete else None
+
+    def _repeats(self, key: tuple[str, int], time_s: float, report: TargetReport) -> bool:
+        """Tell whether a report was taken already: the same content sooner than an antenna comes round again."""
+        if key not in self._current:
+            return False
+        before_s, before = self._current[key]
+        alike = replace(report, time_s=before.time_s, source=before.source) == before
+        return alike and abs(time_s - before_s) < SHORTEST_TURN_S
 
     def _begins_new(self, key: tuple[str, int], time_s: float) -> bool:
         if not self._current:

@@ -62,6 +62,19 @@ def test_the_last_scan_counts_only_when_it_is_complete():
     assert cut.flush() is None
 
 
+def test_a_log_with_every_report_twice_has_the_same_scans():
+    reports = [target(n, T0 + 2.5 * turn, bearing_deg=30.0 + turn) for turn in range(4) for n in (1, 2, 3)]
+    scans, twice = (feed_all(ScanBuilder(), [r for r in reports for _ in range(times)]) for times in (1, 2))
+    assert scans == twice
+    late = [(r, replace(r, time_s=r.time_s + 0.2, source="other listener")) for r in reports]
+    assert feed_all(ScanBuilder(), [r for both in late for r in both]) == scans
+
+
+def test_an_echo_that_stands_still_is_reported_anew_in_each_turn():
+    still = [target(n, T0 + 1.2 * turn) for turn in range(5) for n in (1, 2)]
+    assert [len(scan.reports) for scan in feed_all(ScanBuilder(), still)] == [2, 2, 2, 2]
+
+
 def test_a_lost_target_is_dropped_only_when_it_stands_still():
     builder = ScanBuilder()
     still = [target(1, T0 + 2.5 * turn, status="L") for turn in range(4)]
@@ -191,6 +204,12 @@ def test_an_epoch_for_each_scan_and_only_the_last_where_asked():
     assert last.time_utc.timestamp() == pytest.approx(T0 + 10.3)
     assert len(last.targets) == 3
     assert len(last.marks) == 2
+
+
+def test_the_last_scan_is_that_at_the_end_of_the_log_where_time_goes_back():
+    earlier = [replace(r, time_s=r.time_s - 3600.0) for r in records()]
+    (last,) = epochs([*records(), *earlier], last=True)
+    assert last.time_utc.timestamp() == pytest.approx(T0 + 10.3 - 3600.0)
 
 
 def test_the_scan_of_a_time_is_the_newest_that_was_complete_by_then():
