@@ -12,6 +12,7 @@ from navfix.adjustment import graph, mean_fix
 from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
 from navfix.association.window.associate import solve_window
+from navfix.association.window.tracks import since_silence
 from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
 from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity, with_window_integrity
@@ -69,6 +70,7 @@ def _fix_of_window(
     shared = association_method(method)
     if isinstance(shared, CpdModel):
         raise InputError("a window of epochs is associated jointly: method cpd does not apply to it")
+    epochs = since_silence(epochs)
     found = solve_window(epochs, shared=shared)
     return with_window_integrity(refined(epochs, found, radar=radar, kernel=kernel)), found.association
 

@@ -61,12 +61,13 @@ def scene(
     duration_s: float = 240.0,
     gyro: bool = False,
     turn_degps: float = 0.0,
+    turn_deg: float = 90.0,
 ) -> Scene:
     """Return own ship among ``ships`` with AIS and ``dumb`` echoes without, in radar range of 6 NM.
 
-    With ``turn_degps`` she alters course by 90 degrees after 110 s, as fast as that.
+    With ``turn_degps`` she alters course by ``turn_deg`` after 110 s, as fast as that.
     """
-    turn = {"turn_at_s": 110.0, "turn_deg": 90.0, "turn_rate_deg_per_min": 60.0 * turn_degps} if turn_degps else {}
+    turn = {"turn_at_s": 110.0, "turn_deg": turn_deg, "turn_rate_deg_per_min": 60.0 * turn_degps} if turn_degps else {}
     content: dict[str, Any] = {
         "title": "Among ships",
         "source": "made up",

@@ -96,6 +96,7 @@ class Bank:
             for h in self.hypotheses:
                 h.place = h.place.carried(now_s, self._model)
         for found in births:
+            self._turn(found)
             self._bear(found)
         log_area = window.prior.log_area
         for h in self.hypotheses:
@@ -133,7 +134,21 @@ class Bank:
         for h, place, evidence, debt in zip(
             self.hypotheses, places, found.answers.evidence.tolist(), strayed.tolist(), strict=True
         ):
-            h.place, h.evidence, h.strayed = replace(place, yaw=self.yaw), evidence, fading * h.strayed + debt
+            carried = h.place.carried(place.time_s, self._model)
+            lost_way = carried.turned_unseen and evidence <= 0.0  # a fit from an unknown heading that fits nothing
+            h.place = carried if lost_way else replace(place, yaw=self.yaw)
+            h.evidence, h.strayed = evidence, fading * h.strayed + debt
+
+    def _turn(self, found: Joint) -> None:
+        """Give hypotheses that turned unseen the pose of a blind solve at their place, where it explains more."""
+        turned = [h for h in self.hypotheses if h.place.turned_unseen]
+        if not turned or not len(found.answers):
+            return
+        best = found.answers.take(np.array([0]))
+        (place,), evidence = places_of(found.window, best.knots, best.information), float(best.evidence[0])
+        for h in turned:
+            if evidence > max(h.evidence, 0.0) and h.place.distance_m(place) <= self._model.same_m:
+                h.place, h.evidence = replace(place, yaw=self.yaw), evidence
 
     def _bear(self, found: Joint) -> None:
         """Add the answers of a blind solve at places where there is no hypothesis yet."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 from navfix.catalog import NavigatorModel
 from navfix.sequence.acceptance import Acceptance, Blind
@@ -104,8 +103,7 @@ class Belief:
         """End a track: what was given out stays in mind, and nothing is given out now."""
         self.reason = reason if not reason.startswith("conflict") else f"{reason}; none is given out"
         if track.standing.stated is not None and not track.lost:
-            place = replace(track.place_at(now_s), yaw=self.bank.yaw)
-            self.former = Former(place, track.standing.stated, now_s)
+            self.former = Former(track.place_at(now_s), track.standing.stated, now_s)
 
     def elsewhere(self, place: Place, now_s: float) -> list[Hypothesis]:
         """Return the believed places that are not this one."""
@@ -147,7 +145,7 @@ class Belief:
                     f"jumped since; that this one is wrong has a probability of {doubt:.2f}"
                 )
                 return None
-        return Track(place, model, now_s, standing=Standing(model, now_s, lead, former))
+        return Track(place, model, now_s, standing=Standing(model, now_s, lead, former), yaw=self.bank.yaw)
 
     def _older(self, place: Place, former: Former) -> bool:
         """Tell whether a place was followed long before another ended: then it is no jump of AIS; its lead counts."""

@@ -17,7 +17,7 @@ from navfix.adjustment.window.prior import KnownPose
 from navfix.association.window import gyro, joint
 from navfix.association.window.associate import WindowAnswer
 from navfix.association.window.joint import Joint, Window
-from navfix.association.window.tracks import epoch_time
+from navfix.association.window.tracks import epoch_time, since_silence
 from navfix.catalog import NavigatorModel, RadarModel, WindowModel, navigator_model, window_model
 from navfix.errors import InputError, TooFewPairs
 from navfix.kernels import Kernel
@@ -77,7 +77,7 @@ class Navigator:
 
         No fix is given out before a solve that does not know it has found it too.
         """
-        self._track = Track(place, self._model, place.time_s, proven=False)
+        self._track = Track(place, self._model, place.time_s, proven=False, yaw=self.bank.yaw)
 
     def follows(self, epoch: Epoch) -> bool:
         """Tell whether an epoch is no earlier than the newest: an earlier one is of another recording."""
@@ -155,7 +155,7 @@ class Navigator:
 
     def _prepare(self, now_s: float, length_s: float) -> Window | None:
         """Make the window of the last ``length_s`` seconds ready, None where it holds too little."""
-        epochs = [epoch for epoch in self._epochs if epoch_time(epoch) > now_s - length_s]
+        epochs = since_silence([epoch for epoch in self._epochs if epoch_time(epoch) > now_s - length_s])
         if not epochs:
             return None
         try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ class Place:
     """Own pose at an instant [POSIX s], with its velocity (north, east) [m/s] and covariance (3, 3) [m, m, rad].
 
     All data that it rests on are older than ``time_s``. ``yaw`` is the log of own ship's turning, where it is kept.
+    ``turned_unseen``: own ship may have turned by anything since, for radar did not show it.
     """
 
     time_s: float
@@ -34,6 +35,7 @@ class Place:
     velocity_mps: complex
     covariance: FloatArray
     yaw: YawLog | None = None
+    turned_unseen: bool = False
 
     def carried(self, to_s: float, model: NavigatorModel, unseen_s: float | None = None) -> Place:
         """Return the place carried to another instant by its velocity; what happens unseen makes it less sure.
@@ -48,7 +50,15 @@ class Place:
         grown = np.diag([(model.gap_mps * after_s) ** 2] * 2 + [math.radians(model.gap_degps * unseen_s) ** 2])
         turned_deg = 0.0 if self.yaw is None else self.yaw.between_deg(self.time_s, to_s)
         heading_deg = (self.heading_deg + turned_deg) % 360.0
-        return Place(to_s, position, heading_deg, self.velocity_mps, self.covariance + grown, self.yaw)
+        missed = self.yaw is not None and self.yaw.missed(self.time_s, to_s)
+        return replace(
+            self,
+            time_s=to_s,
+            position=position,
+            heading_deg=heading_deg,
+            covariance=self.covariance + grown,
+            turned_unseen=self.turned_unseen or missed,
+        )
 
     def distance_m(self, other: Place) -> float:
         """Return how far another place of the same instant lies [m]."""
@@ -59,8 +69,12 @@ class Place:
         return abs(wrap_180(other.heading_deg - self.heading_deg))
 
     def differs(self, other: Place, apart_m: float, apart_deg: float) -> bool:
-        """Tell whether another place of the same instant is another answer: elsewhere, or turned."""
-        return self.distance_m(other) > apart_m or self.turn_deg(other) > apart_deg
+        """Tell whether another place of the same instant is another answer: elsewhere, or turned.
+
+        What turned unseen may lie any way round and be the same.
+        """
+        unknown = self.turned_unseen or other.turned_unseen
+        return self.distance_m(other) > apart_m or (not unknown and self.turn_deg(other) > apart_deg)
 
     @cached_property
     def _point(self) -> tuple[float, ...]:

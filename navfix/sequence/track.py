@@ -22,6 +22,7 @@ from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
 from navfix.sequence.places import Place, as_known_pose, as_prior
 from navfix.sequence.protection import TrackProtection
+from navfix.sequence.yaw import YawLog
 from navfix.types import Association, DeadReckoning, Epoch, Fix
 
 _BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
@@ -55,12 +56,13 @@ class Track:
         *,
         proven: bool = True,
         standing: Standing | None = None,
+        yaw: YawLog | None = None,
     ) -> None:
-        self._model = model
+        self._model, self._yaw = model, yaw
         self.standing = standing or Standing(model, now_s)
         self.protection = TrackProtection(model)
         self.proven = proven
-        self._history: deque[Place] = deque([place])
+        self._history: deque[Place] = deque([replace(place, yaw=yaw)])
         self._evidence: deque[tuple[float, float]] = deque()
         self.since_s = now_s
         self.lapsed = False
@@ -128,7 +130,7 @@ class Track:
         window, answers = found.window, found.answers
         settled = settle(found, window.prior, fewest_marks=window.field.model.fewest_marks)
         answer = associate.window_answer(found, settled)
-        place = _place(window, settled.pose, now_s)
+        place = self._place(window, settled.pose, now_s)
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         fix = adjust(window.epochs, answer, None) if self._matched_now(answer, window, now_s) else None
@@ -154,7 +156,7 @@ class Track:
             answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
             fix = adjust(window.epochs, answer, as_known_pose(begin, window.epochs[0], self._model))
         return self._take(
-            Held(_place(window, settled.pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
+            Held(self._place(window, settled.pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
         )
 
     def carry(self, epoch: Epoch, now_s: float, reckoned: DeadReckoning | None) -> Held | None:
@@ -188,6 +190,16 @@ class Track:
         times = [epoch_time(epoch) for epoch, pairs in zip(window.epochs, answer.labels, strict=True) if pairs]
         return max(times, default=-math.inf) > now_s - self._model.unseen_s
 
+    def _place(self, window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
+        return Place(
+            now_s,
+            position_of(window.field.scene.flat, pose.p),
+            math.degrees(pose.heading_rad) % 360.0,
+            pose.velocity,
+            pose.formal,
+            self._yaw,
+        )
+
     def _take(self, held: Held, now_s: float) -> Held:
         if held.fix is not None:
             level_m = self.protection.level_m(held.place)
@@ -220,16 +232,6 @@ class Track:
         )
         if self.lapsed and now_s - self._lapsed_since_s > model.drop_after_s:
             self.given_up = f"given up: nothing has spoken for the place for {model.drop_after_s:.0f} s"
-
-
-def _place(window: Window, pose: jackknife.PoseAtEnd, now_s: float) -> Place:
-    return Place(
-        now_s,
-        position_of(window.field.scene.flat, pose.p),
-        math.degrees(pose.heading_rad) % 360.0,
-        pose.velocity,
-        pose.formal,
-    )
 
 
 def _why_lost(place: Place, model: NavigatorModel) -> str:

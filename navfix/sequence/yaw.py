@@ -6,13 +6,13 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from navfix.association.window.tracks import epoch_time
+from navfix.association.window.tracks import SILENCE_S, epoch_time
 from navfix.association.window.yaw import Report, turn_between
 from navfix.catalog import WindowModel, window_model
 from navfix.types import Epoch
 
 _KEPT_S = 900.0
-_BRIDGED_S = 15.0  # over a longer time without a scan the bearings change by the way too, not by the turn alone
+_BRIDGED_S = SILENCE_S  # over a longer time without a scan the bearings change by the way too, not by the turn alone
 
 
 class YawLog:
@@ -52,6 +52,10 @@ class YawLog:
         """Tell whether relative bearings showed the turn all the time between two instants."""
         last_seen = to_s - self._scan_s <= _BRIDGED_S
         return last_seen and not any(begin_s < to_s and end_s > from_s for begin_s, end_s in self._unseen)
+
+    def missed(self, from_s: float, to_s: float) -> bool:
+        """Tell whether a turn between two instants went unseen; true bearings do not turn, so nothing is missed."""
+        return math.isfinite(self._scan_s) and not self.watched(from_s, to_s)
 
     def between_deg(self, from_s: float, to_s: float) -> float:
         """Return the turn [deg] to starboard between two instants, by the newest scans before them."""

@@ -73,6 +73,23 @@ def test_a_restart_of_the_tracker_costs_no_fix():
     assert told.worst_m < 150.0
 
 
+@pytest.mark.parametrize("seed", [3, 4])
+def test_a_ship_that_turned_while_radar_was_silent_is_found_again(seed: int):
+    turning = hostile.scene(seed, duration_s=200.0, turn_degps=5.0, turn_deg=150.0)
+    told = hostile.tell(turning.changed(hostile.lose_echoes(1.0), after_s=108.0, for_s=32.0))
+    assert told.wrong == 0
+    assert told.worst_m < 100.0
+    assert told.inside >= told.fixes - 1
+    assert "conflict" not in told.statuses
+    assert set(told.statuses[-4:]) == {"tracking"}
+
+
+def test_a_turn_between_two_steps_is_no_other_place():
+    told = hostile.tell(hostile.scene(1, turn_degps=2.0, turn_deg=160.0), step_s=60.0)
+    assert told.fixes == told.steps
+    assert told.worst_m < 150.0
+
+
 def test_a_gyro_90_deg_off_moves_nothing():
     scene = hostile.scene(8, duration_s=100.0)
     told = hostile.tell(scene.changed(hostile.gyro_off(scene.truth, 90.0)))

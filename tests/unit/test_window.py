@@ -15,7 +15,7 @@ import navfix
 from navfix.association.window import joint
 from navfix.association.window.knots import Knots, motion_prior, placed, shape_of
 from navfix.association.window.marks import paths_of
-from navfix.association.window.tracks import tracks_of
+from navfix.association.window.tracks import since_silence, tracks_of
 from navfix.association.window.yaw import common_yaw
 from navfix.catalog import window_model
 from navfix.errors import InputError, NoFix, TooFewPairs
@@ -198,3 +198,19 @@ def test_marks_in_one_point_and_targets_in_one_line_are_no_error():
     for window in (heaped, lined):
         with pytest.raises(NoFix):
             navfix.fix(window)
+
+
+def test_a_window_begins_after_the_last_long_silence_of_radar():
+    def scans(*times_s: float, echo: bool = True) -> tuple[Epoch, ...]:
+        begin = datetime(2026, 5, 1, tzinfo=UTC)
+        targets = (RadarTarget("1", 2000.0, 30.0),) if echo else ()
+        return tuple(Epoch(begin + timedelta(seconds=t), targets, ()) for t in times_s)
+
+    before, after = scans(0.0, 3.0, 6.0, 9.0), scans(29.0, 32.0, 35.0)
+    assert since_silence((*before, *after)) == after
+    assert since_silence((*before, *scans(14.0, 19.0, 24.0, echo=False), *after)) == after  # own ship alone is no echo
+    assert since_silence((*before, *scans(20.0, 23.0))) == (*before, *scans(20.0, 23.0))
+    slow = scans(0.0, 20.0, 40.0, 60.0)
+    assert since_silence(slow) == slow
+    assert since_silence(scans(5.0)) == scans(5.0)
+    assert since_silence(()) == ()

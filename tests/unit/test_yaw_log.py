@@ -65,6 +65,29 @@ def test_without_scans_or_log_a_heading_is_kept() -> None:
         assert place.carried(begin_s + 30.0, model).heading_deg == 123.0
 
 
+def test_what_turned_while_radar_was_silent_may_lie_any_way_round_and_be_the_same() -> None:
+    model, begin_s = navigator_model("default"), START.timestamp()
+    watched, gap = YawLog(), YawLog()
+    for epoch in scans(0.0, count=17):
+        watched.feed(epoch)
+        if not 10.0 < (epoch.time_utc - START).total_seconds() < 30.0:  # type: ignore[operator]
+            gap.feed(epoch)
+    other = Place(begin_s + 40.0, Position(54.0, 18.0), 170.0, 0j, np.eye(3))
+    for yaw, apart in ((watched, True), (gap, False)):
+        place = Place(begin_s, Position(54.0, 18.0), 350.0, 0j, np.eye(3), yaw).carried(begin_s + 40.0, model)
+        assert place.differs(other, model.apart_m, model.apart_deg) is apart
+        assert other.differs(place, model.apart_m, model.apart_deg) is apart
+        far = replace(other, position=direct(other.position, 0.0, 2.0 * model.apart_m))
+        assert place.differs(far, model.apart_m, model.apart_deg)
+
+
+def test_true_bearings_miss_no_turn() -> None:
+    yaw, begin_s = YawLog(), START.timestamp()
+    for epoch in scans(0.0, count=3):
+        yaw.feed(replace(epoch, targets=tuple(replace(t, bearing_reference="true") for t in epoch.targets)))
+    assert not yaw.missed(begin_s, begin_s + 60.0)
+
+
 def test_an_empty_scan_does_not_lose_the_turn() -> None:
     yaw, whole = YawLog(), scans(2.0, count=4)
     for number, epoch in enumerate(whole):

@@ -16,6 +16,9 @@ from navfix.association.window.yaw import Report, Yaw, common_yaw
 from navfix.catalog import WindowModel
 from navfix.types import Epoch, FloatArray, RadarTarget
 
+SILENCE_S = 15.0  # from so long a time without echoes on, own motion is not one over it
+_SILENT_TURNS = 4.0  # ... where it is as many times the time between scans: scans may be wanted that far apart
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
@@ -61,6 +64,20 @@ def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tu
 def epoch_time(epoch: Epoch) -> float:
     """Return the instant of an epoch [POSIX s]; a window cannot be made of epochs without a time."""
     return 0.0 if epoch.time_utc is None else epoch.time_utc.timestamp()
+
+
+def since_silence(epochs: Sequence[Epoch]) -> tuple[Epoch, ...]:
+    """Return the newest epochs of a window, from its last long silence of radar on; all of them where there is none.
+
+    In a silence own ship may turn and change speed unseen: what came before and what came after are then no one motion,
+    and the many scans of before would decide where she is after it.
+    """
+    seen = [k for k, epoch in enumerate(epochs) if epoch.targets]
+    apart_s = np.diff([epoch_time(epochs[k]) for k in seen])
+    if not len(apart_s):
+        return tuple(epochs)
+    silent = np.flatnonzero(apart_s > max(SILENCE_S, _SILENT_TURNS * float(np.median(apart_s))))
+    return tuple(epochs[seen[int(silent[-1]) + 1] :]) if len(silent) else tuple(epochs)
 
 
 def _scan(epoch: Epoch, reference: str) -> dict[str, Report]:
