@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 from itertools import chain, pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -113,12 +114,16 @@ class _Window:
 
         graph = gtsam.GaussianFactorGraph()
         factor: Any = gtsam.JacobianFactor  # its stubs know no keys that come as a list
-        right, widths = -self._rows.residual * self._root, [len(columns) for columns in self.columns]
+        noise = cache(gtsam.noiseModel.Unit.Create)
+        order = np.concatenate([rows for rows, _ in self._factors])
+        blocks = [np.ascontiguousarray(self._blocks[order, slot]) for slot in range(_KEYS)]
+        right, widths = (-self._rows.residual * self._root)[order], [len(columns) for columns in self.columns]
+        begin = 0
         for rows, keys in self._factors:
-            blocks = self._blocks[rows]
-            terms = [(key, blocks[:, slot, : widths[key]]) for slot, key in enumerate(keys)]
-            noise = gtsam.noiseModel.Unit.Create(len(rows))
-            graph.add(factor(*chain.from_iterable(terms), right[rows], noise))
+            end = begin + len(rows)
+            terms = [(key, blocks[slot][begin:end, : widths[key]]) for slot, key in enumerate(keys)]
+            graph.add(factor(*chain.from_iterable(terms), right[begin:end], noise(len(rows))))
+            begin = end
         return graph
 
     def graph(self) -> Any:
@@ -159,8 +164,7 @@ class _Window:
         GTSAM's increments of a pose are in the ship's axes.
         """
         blocks = np.zeros((len(rows.residual), _KEYS, max(len(columns) for columns in self.columns)))
-        at = (self._row, self._slot, self._place)
-        np.add.at(blocks, at, rows.values[self._row, self._entry] * self._root[self._row])
+        blocks[self._row, self._slot, self._place] = rows.values[self._row, self._entry] * self._root[self._row]
         for slot in range(_KEYS):
             row = np.flatnonzero((self._keys[:, slot] >= 0) & (self._keys[:, slot] < self.epochs))
             heading = state[3 * self._keys[row, slot] + 2]
@@ -187,8 +191,8 @@ class _Window:
 
 def _factors(keys: IntArray) -> list[tuple[IntArray, list[int]]]:
     """Return rows and keys of every factor: rows (m,) that depend on the same keys (m, 3) belong together."""
-    together, which = np.unique(keys, axis=0, return_inverse=True)
-    order = np.argsort(which, kind="stable")
-    bounds = np.searchsorted(which[order], np.arange(len(together) + 1)).tolist()
-    rows = [order[begin:end] for begin, end in pairwise(bounds)]
-    return [(r, [key for key in k if key >= 0]) for r, k in zip(rows, together.tolist(), strict=True) if k[0] >= 0]
+    order = np.lexsort(keys.T[::-1])
+    begins = np.flatnonzero(np.any(np.diff(keys[order], axis=0, prepend=-2), axis=1))
+    rows = [order[begin:end] for begin, end in pairwise([*begins.tolist(), len(order)])]
+    together = keys[order[begins]].tolist()
+    return [(r, [key for key in k if key >= 0]) for r, k in zip(rows, together, strict=True) if k[0] >= 0]

@@ -188,15 +188,14 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
     descended = descend(huber, state, tolerance=ROUGH)
     damper = replace(huber, kernel=kernel)
     descended = descend(damper, descended.state, tolerance=COARSE)
-    _, weights = damper.judge(damper.rows(descended.state).residual)
-    keep = weights.static >= plan.window.model.least_static_weight
+    state = descended.state
+    keep = descended.weights.static >= plan.window.model.least_static_weight
     if not np.all(keep) and np.any(keep):
         damper = replace(damper, taking_part=keep)
-        state = descended.state.copy()
+        state = state.copy()
         out = ~keep[plan.layout.static_mark(plan.window)]
         state[plan.layout.shared + 5 :][out] = 0.0
-        descended = Descended(state, math.inf, math.inf, 0)
-    return damper, descend(damper, descended.state, tolerance=COARSE)
+    return damper, descend(damper, state, tolerance=COARSE)
 
 
 def _finished(window: Window, found: Judged, solver: Solver) -> tuple[Judged, FloatArray, str]:
@@ -212,4 +211,4 @@ def _finished(window: Window, found: Judged, solver: Solver) -> tuple[Judged, Fl
     off[2] = wrap_pi(off[2])
     if float(off @ np.linalg.solve(own, off)) > _AGREE**2:
         return found, own, "dense"
-    return replace(found, descended=replace(found.descended, state=there)), graph.cofactor, "gtsam"
+    return replace(found, descended=found.damper.at(there)), graph.cofactor, "gtsam"

@@ -26,7 +26,7 @@ def check(damper: Damper, descended: Descended) -> None:
     window, layout = damper.plan.window, damper.plan.layout
     if layout.marks < 2:
         raise TooFewPairs("one mark over a window determines no heading and no position", observations=2, unknowns=3)
-    _, weights = damper.judge(damper.rows(descended.state).residual)
+    weights = descended.weights
     share = mark_weights(window, weights.sighting[:, 0], weights.static)
     left = int(np.count_nonzero(share >= 0.5))
     if left < 2:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.adjustment.window.descent import COARSE, Damper, Descended, descend, inverse_of, normal_of
+from navfix.adjustment.window.descent import COARSE, Damper, Descended, descend, inverse_of, normal_of, products_of
 from navfix.adjustment.window.rows import (
     COMPONENTS,
     GIVEN,
@@ -15,9 +15,12 @@ from navfix.adjustment.window.rows import (
     NEW_BEARING,
     NEW_RANGE,
     OFFSET,
+    PAIRS,
     STEADY_BEARING,
     STEADY_RANGE,
     TURN,
+    Plan,
+    Rows,
 )
 from navfix.catalog import AdjustmentModel
 from navfix.types import FloatArray, IntArray
@@ -40,15 +43,19 @@ class Judged:
 
 def judged(damper: Damper, descended: Descended, memory: FloatArray | None = None) -> Judged:
     """Assess a solution: partial redundancies r_g = sum of w (1 - w a'Qa) and squared residuals by component."""
-    rows = damper.rows(descended.state)
-    _, weights = damper.judge(rows.residual)
-    cofactor = inverse_of(normal_of(damper, rows, weights)[0])
-    around = cofactor[rows.columns[:, :, None], rows.columns[:, None, :]]
-    lever = np.einsum("ri,rij,rj->r", rows.values, around, rows.values, optimize=True)
-    w = weights.row
+    rows, w = descended.rows, descended.weights.row
+    cofactor = inverse_of(normal_of(damper, rows, descended.weights)[0])
+    lever = _levers(damper.plan, rows, cofactor)
     redundancy = _summed(rows.component, w * np.clip(1.0 - w * lever, 0.0, 1.0))
     squared = _summed(rows.component, w * rows.residual**2)
     return Judged(descended, damper, cofactor, squared, redundancy, np.ones(COMPONENTS) if memory is None else memory)
+
+
+def _levers(plan: Plan, rows: Rows, cofactor: FloatArray) -> FloatArray:
+    """Return a'Qa (m,) of the rows."""
+    around = cofactor.ravel()[plan.place].reshape(len(PAIRS[0]), -1)
+    twice = np.where(PAIRS[0] == PAIRS[1], 1.0, 2.0)
+    return np.asarray(twice @ (products_of(rows.values, rows.values) * around))
 
 
 def _summed(component: IntArray, values: FloatArray) -> FloatArray:
@@ -104,9 +111,7 @@ def expected_components(components: FloatArray, model: AdjustmentModel) -> Float
 def _memory(found: Judged) -> FloatArray:
     """Return the factor (1 + rho) / (1 - rho) of the two components of the radar, 1 where nothing is remembered."""
     plan, seen = found.damper.plan, found.damper.plan.window.seen
-    rows = found.damper.rows(found.descended.state)
-    _, weights = found.damper.judge(rows.residual)
-    radar = rows.residual[plan.radar].reshape(-1, 2) * weights.sighting
+    radar = found.descended.rows.residual[plan.radar].reshape(-1, 2) * found.descended.weights.sighting
     order = np.lexsort((seen.epoch, seen.track))
     follows = np.diff(seen.track[order]) == 0
     factor = np.ones(COMPONENTS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,6 @@ ROUGH, COARSE, FINE = 0.1, 1e-2, 1e-5  # sigma: the last step of a descent
 _ITERATIONS = 40
 _LEAST_WEIGHT = 1e-8  # of constant errors: keeps them defined where a mark is given up altogether
 _SMALLEST, _LARGEST = 1e-9, 1e9
-_ONCE = np.where(PAIRS[0] == PAIRS[1], 0.5, 1.0)[:, None]  # a square is in both halves of the normal matrix
 _STANDS_STILL = 1e-6  # sigma: a step as short as this that does not help is one of rounding
 
 
@@ -32,12 +31,14 @@ class Weights:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Descended:
-    """Where a descent ended: ``step`` is the length of the last step in units of sigma."""
+    """Where a descent ended, with the rows and weights there; ``step``: length of the last step in units of sigma."""
 
     state: FloatArray
     loss: float
     step: float
     iterations: int
+    rows: Rows
+    weights: Weights
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,22 +85,42 @@ class Damper:
         total = float(each @ used) + float(static_loss.sum()) + 0.5 * float(rest @ rest)
         return total, Weights(by_sighting, by_mark, row)
 
+    def at(self, state: FloatArray, step: float = np.inf, iterations: int = 0) -> Descended:
+        """Return a state with its loss, rows and weights."""
+        rows = self.rows(state)
+        loss, weights = self.judge(rows.residual)
+        return Descended(state, loss, step, iterations, rows, weights)
+
 
 def normal_of(damper: Damper, rows: Rows, weights: Weights) -> tuple[Any, FloatArray]:
-    """Return A'WA and A'Wv of rows with their weights; A'WA is dense for few unknowns and sparse for many."""
+    """Return A'WA and A'Wv of rows with their weights.
+
+    A'WA is dense for few unknowns, and then only its lower half is filled; for many it is sparse and whole.
+    """
     size, weighted = damper.plan.layout.size, rows.values * weights.row[:, None]
     gradient = np.bincount(rows.columns.ravel(), (weighted * rows.residual[:, None]).ravel(), size)
-    left, right = np.ascontiguousarray(rows.values.T), np.ascontiguousarray(weighted.T)
-    products = (left[PAIRS[0]] * right[PAIRS[1]] * _ONCE).ravel()
-    half: Any
+    products = products_of(rows.values, weighted).ravel()
+    matrix: Any
     if size < DENSE_BELOW:
-        half = np.bincount(damper.plan.place, products, size * size).reshape(size, size)
+        matrix = np.bincount(damper.plan.place, products, size * size).reshape(size, size).T
     else:
-        from scipy.sparse import coo_matrix
+        from scipy.sparse import coo_matrix, triu
 
         half = coo_matrix((products, np.divmod(damper.plan.place, size)), shape=(size, size)).tocsc()
-    matrix = half + half.T
+        matrix = half + triu(half, 1).T
     return matrix, np.asarray(gradient, np.float64)
+
+
+def products_of(left: FloatArray, right: FloatArray) -> FloatArray:
+    """Return the products (36, m) of every two derivatives (m, 8) of a row, in the order of `PAIRS`."""
+    left, right = np.ascontiguousarray(left.T), np.ascontiguousarray(right.T)
+    products = np.empty((len(PAIRS[0]), left.shape[1]))
+    begin = 0
+    for number, column in enumerate(left):
+        end = begin + len(left) - number
+        np.multiply(column, right[number:], out=products[begin:end])
+        begin = end
+    return products
 
 
 def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, iterations: int = _ITERATIONS) -> Descended:
@@ -109,47 +130,43 @@ def descend(damper: Damper, start: FloatArray, *, tolerance: float = FINE, itera
     ------
     Unobservable : the normal matrix is singular
     """
-    state, mu, length, count = np.array(start, np.float64), _SMALLEST, np.inf, 0
-    rows = damper.rows(state)
-    loss, weights = damper.judge(rows.residual)
-    matrix, gradient = normal_of(damper, rows, weights)
+    here, mu, length, count = damper.at(np.array(start, np.float64)), _SMALLEST, np.inf, 0
+    matrix, gradient = normal_of(damper, here.rows, here.weights)
     while count < iterations and length > tolerance and mu < _LARGEST:
         count += 1
         step = -solve_normal(matrix, gradient, mu)
         length = float(np.sqrt(max(-float(gradient @ step), 0.0)))
-        rows = damper.rows(state + step)
-        after, weights = damper.judge(rows.residual)
-        if after <= loss * (1.0 + 1e-12) + 1e-12:
-            state, loss, mu = state + step, after, max(mu * 0.1, _SMALLEST)
+        there = damper.at(here.state + step)
+        if there.loss <= here.loss * (1.0 + 1e-12) + 1e-12:
+            here, mu = there, max(mu * 0.1, _SMALLEST)
             if length > tolerance:
-                matrix, gradient = normal_of(damper, rows, weights)
+                matrix, gradient = normal_of(damper, here.rows, here.weights)
         elif length < _STANDS_STILL:
             break
         else:
             mu, length = max(mu * 10.0, 1e-4), np.inf
-    return Descended(state, loss, length, count)
+    return replace(here, step=length, iterations=count)
 
 
 def solve_normal(matrix: Any, right: FloatArray, mu: float = 0.0) -> FloatArray:
-    """Solve (N + mu diag N) x = right, dense for small N and sparse for large.
+    """Solve (N + mu diag N) x = right, dense for small N, of which the lower half is read, and sparse for large.
 
     Raises
     ------
     Unobservable : N is singular
     """
-    from scipy.linalg import LinAlgError, cho_factor, cho_solve
+    if isinstance(matrix, np.ndarray):
+        from scipy.linalg.lapack import dpotrs
+
+        damped = matrix.copy(order="F")
+        damped[np.diag_indices_from(damped)] *= 1.0 + mu
+        return np.asarray(dpotrs(_lower_factor(damped), right, lower=True)[0])
+    from scipy.sparse import diags
     from scipy.sparse.linalg import splu
 
     try:
-        if isinstance(matrix, np.ndarray):
-            damped = matrix.copy()
-            damped[np.diag_indices_from(damped)] *= 1.0 + mu
-            factor = cho_factor(damped, overwrite_a=True, check_finite=False)
-            return np.asarray(cho_solve(factor, right, check_finite=False))
-        from scipy.sparse import diags
-
         return np.asarray(splu((matrix + mu * diags(matrix.diagonal())).tocsc()).solve(right))
-    except (LinAlgError, RuntimeError) as failure:
+    except RuntimeError as failure:
         raise Unobservable("the window leaves a direction free", direction="not determined") from failure
 
 
@@ -160,15 +177,22 @@ def inverse_of(matrix: Any) -> FloatArray:
     ------
     Unobservable : it is singular
     """
-    from scipy.linalg import LinAlgError, cho_factor
     from scipy.linalg.lapack import dpotri
 
-    try:
-        factor, _ = cho_factor(
-            matrix if isinstance(matrix, np.ndarray) else matrix.toarray(), lower=True, check_finite=False
-        )
-    except LinAlgError as failure:
-        raise Unobservable("the window leaves a direction free", direction="not determined") from failure
-    half, _ = dpotri(factor, lower=True)
+    whole = matrix.copy(order="F") if isinstance(matrix, np.ndarray) else matrix.toarray(order="F")
+    half, _ = dpotri(_lower_factor(whole), lower=True, overwrite_c=True)
     lower = np.tril(half)
     return np.asarray(lower + np.tril(lower, -1).T)
+
+
+def _lower_factor(matrix: FloatArray) -> FloatArray:
+    """Return L in the lower half, N = L L', written over ``matrix`` where that is in Fortran's order.
+
+    Straight from LAPACK: on matrices so small scipy's own checks take half of the time.
+    """
+    from scipy.linalg.lapack import dpotrf
+
+    factor, fails_at = dpotrf(matrix, lower=True, clean=False, overwrite_a=True)
+    if fails_at != 0:
+        raise Unobservable("the window leaves a direction free", direction="not determined")
+    return np.asarray(factor)

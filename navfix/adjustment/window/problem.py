@@ -198,7 +198,7 @@ def window_of(
         place_ne_m=plane.all_to_plane(
             [s.mark.position.lat_deg for s in sightings], [s.mark.position.lon_deg for s in sightings]
         ),
-        velocity_ne_mps=np.array([_velocity(s.mark) for s in sightings]),
+        velocity_ne_mps=_velocities(sightings),
         is_true=np.array([s.target.bearing_reference == "true" for s in sightings]),
         fresh_m=np.sqrt(total**2 - least[mark] ** 2),
     )
@@ -254,11 +254,12 @@ def _radar_sigmas(sightings: Sequence[Sighting], radar: RadarModel) -> FloatArra
     )
 
 
-def _velocity(mark: Mark) -> tuple[float, float]:
-    if mark.speed_mps is None or mark.course_deg is None:
-        return 0.0, 0.0
-    course_rad = math.radians(mark.course_deg)
-    return mark.speed_mps * math.cos(course_rad), mark.speed_mps * math.sin(course_rad)
+def _velocities(sightings: Sequence[Sighting]) -> FloatArray:
+    speed_mps = np.array([s.mark.speed_mps or 0.0 for s in sightings])
+    course_deg = np.array([math.nan if s.mark.course_deg is None else s.mark.course_deg for s in sightings])
+    known, course_rad = np.isfinite(course_deg), np.radians(course_deg)
+    velocity = speed_mps[:, None] * np.column_stack([np.cos(course_rad), np.sin(course_rad)])
+    return np.where(known[:, None], velocity, 0.0)
 
 
 def _own_sensors(epochs: Sequence[Epoch]) -> OwnSensors:

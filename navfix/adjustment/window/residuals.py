@@ -15,9 +15,8 @@ from navfix.adjustment.window.rows import (
     OFFSET,
     STEADY_BEARING,
     STEADY_RANGE,
-    radar_sigma,
 )
-from navfix.types import AdjustedObservation, FloatArray, ObservationKind
+from navfix.types import AdjustedObservation, ObservationKind
 
 
 def track_observations(
@@ -34,7 +33,7 @@ def track_observations(
     sigma = plan.sights.sigma
     v, a = v.reshape(-1, 2) * sigma, a.reshape(-1, 2, a.shape[1]) * sigma[:, :, None]
     columns = plan.columns[plan.radar].reshape(-1, 2, a.shape[2])
-    _, weights = found.damper.judge(found.damper.rows(state).residual)
+    weights = found.descended.weights
     rows = []
     for track, label in enumerate(window.tracks.label):
         members = np.flatnonzero(window.seen.track == track)
@@ -49,7 +48,7 @@ def track_observations(
             last = here[-1]
             kept = [0, 1, 2, 6, 7]  # pose and globals: what stays with the mark is the residual's own business
             row, entry = a[last, part, kept], columns[last, part, kept]
-            spread = _spread(window, found, track, part, members, share)
+            spread = _spread(window, found, track, part, members, float(share**2 @ sigma[members, part] ** 2))
             explained = float(row @ found.cofactor[entry[:, None], entry] @ row)
             rows.append(
                 _row(
@@ -60,15 +59,14 @@ def track_observations(
     return tuple(rows)
 
 
-def _spread(window: Window, found: Judged, track: int, part: int, members: np.ndarray, share: FloatArray) -> float:
-    """Return 1 sigma of a track's mean: what stays with track and mark, and what is new, the memory counted."""
+def _spread(window: Window, found: Judged, track: int, part: int, members: np.ndarray, new: float) -> float:
+    """Return 1 sigma of a track's mean: what stays with track and mark, and the variance of what is ``new``."""
     components, mark = found.damper.components, int(window.tracks.mark[track])
     across = 1.0 if part == 0 else 1.0 / max(float(window.seen.value[members[-1], 0]), 1.0)
     offset = window.mark_sigma_m[mark] * across
     steady = window.tracks.sigma[track, part]
-    new = radar_sigma(window)[members, part]
     variance = components[OFFSET] * offset**2 + components[(STEADY_RANGE, STEADY_BEARING)[part]] * steady**2
-    variance += components[(NEW_RANGE, NEW_BEARING)[part]] * float(share**2 @ new**2)
+    variance += components[(NEW_RANGE, NEW_BEARING)[part]] * new
     return math.sqrt(float(variance))
 
 

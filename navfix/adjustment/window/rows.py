@@ -34,7 +34,7 @@ class Plan:
 
     The rows of the radar come first, range and bearing of each sighting in turn, then one for each global, offset and
     constant, then own motion. ``place`` (36 m,) is where each product of two derivatives of a row, `PAIRS`, stands in
-    the normal matrix, which is symmetric.
+    the upper half of the normal matrix, counted row by row; the matrix is symmetric.
     """
 
     window: Window
@@ -56,7 +56,8 @@ class Plan:
         radar = [NEW_RANGE, NEW_BEARING] * len(window.seen.epoch)
         columns = np.concatenate([sights.columns, given, motion.columns])
         component = np.concatenate([radar, static, motion.component])
-        place = (columns.T[PAIRS[0]] * layout.size + columns.T[PAIRS[1]]).ravel()
+        one, other = columns.T[PAIRS[0]], columns.T[PAIRS[1]]
+        place = (np.minimum(one, other) * layout.size + np.maximum(one, other)).ravel()
         return cls(window, layout, sights, motion, columns, component, place)
 
     @property
