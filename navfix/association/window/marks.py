@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
@@ -19,7 +19,7 @@ from navfix.association.scene import ComplexArray
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import WindowModel
 from navfix.geodesy import cloud_to_plane
-from navfix.types import Epoch, FloatArray, Mark, Position
+from navfix.types import Epoch, FloatArray, IntArray, Mark, Position
 
 SAME_REPORT_S = 0.5
 
@@ -40,64 +40,89 @@ class MarkPaths:
     newest: tuple[int, ...]
 
 
-_Seen = tuple[float, Mark]
+@dataclass(frozen=True, eq=False)
+class _Reports:
+    """Reports (r,) of all marks, those of one mark together and in the order of time.
+
+    ``first`` (n,) where those of each mark begin; ``time_s`` [POSIX s], ``place`` [m, complex], ``velocity`` [m/s].
+    """
+
+    first: IntArray
+    time_s: FloatArray
+    place: ComplexArray
+    velocity: ComplexArray
 
 
-_Report = tuple[float, complex, complex]  # time [POSIX s], place [m], velocity [m/s]
+@dataclass(slots=True)
+class _Shown:
+    """The first and the newest of the records that show one report, each with the time of its epoch [POSIX s]."""
+
+    first_s: float
+    first: Mark
+    newest_s: float
+    newest: Mark
 
 
 def paths_of(epochs: Sequence[Epoch], origin: Position, knot_s: FloatArray, model: WindowModel) -> MarkPaths:
     """Return where every mark of the window was at the knots [POSIX s]."""
-    histories = _histories(epochs, origin)
+    histories = _histories(epochs)
+    reports = _reports(histories, origin)
     index = {mark.label: i for i, mark in enumerate(epochs[-1].marks)}
-    z, v, age_s, apart_m = _between([reports for reports, _, _ in histories.values()], knot_s)
+    sigma_m = np.array([min(s.first.sigma_m, s.newest.sigma_m) for shown in histories.values() for s in shown])
+    z, v, age_s, apart_m = _between(reports, knot_s)
     return MarkPaths(
-        tuple(newest for _, newest, _ in histories.values()),
+        tuple(shown[-1].newest for shown in histories.values()),
         z,
         v,
-        np.array([sigma_m for _, _, sigma_m in histories.values()]),
+        np.minimum.reduceat(sigma_m, reports.first),
         np.hypot(_aged_m(v, age_s, model), apart_m),
         tuple(index.get(name, -1) for name in histories),
     )
 
 
-def _histories(epochs: Sequence[Epoch], origin: Position) -> dict[str, tuple[list[_Report], Mark, float]]:
-    """Return by label: reports in time order, the newest record, and the least sigma that the mark had [m]."""
-    groups: dict[str, list[list[_Seen]]] = {}
+def _histories(epochs: Sequence[Epoch]) -> dict[str, list[_Shown]]:
+    """Return the reports of every mark by its label, in the order of time."""
+    histories: dict[str, list[_Shown]] = {}
     for epoch in epochs:
         at_s = epoch_time(epoch)
         for mark in epoch.marks:
-            known = groups.setdefault(mark.label, [])
-            if known and _same_report(known[-1][0][1], mark):
-                known[-1][1:] = [(at_s, mark)]  # of one report only its first and its newest place are needed
+            known = histories.get(mark.label)
+            if known is None:
+                histories[mark.label] = [_Shown(at_s, mark, at_s, mark)]
+            elif _same_report(known[-1].first, mark):
+                known[-1].newest_s, known[-1].newest = at_s, mark
             else:
-                known.append([(at_s, mark)])
-    seen = [mark for known in groups.values() for group in known for _, mark in group]
-    plane = cloud_to_plane(origin, [m.position.lat_deg for m in seen], [m.position.lon_deg for m in seen])
-    places = iter((plane[:, 0] + 1j * plane[:, 1]).tolist())
-    found = {}
-    for label, known in groups.items():
-        reports = [_report([(at_s, next(places), mark) for at_s, mark in group]) for group in known]
-        least = min(mark.sigma_m for group in known for _, mark in group)
-        found[label] = (reports, known[-1][-1][1], least)
-    return found
+                known.append(_Shown(at_s, mark, at_s, mark))
+    return histories
 
 
 def _same_report(one: Mark, other: Mark) -> bool:
+    if one.time_utc is other.time_utc:
+        return True
     if one.time_utc is None or other.time_utc is None:
-        return one.time_utc is other.time_utc
+        return False
     return one.time_utc == other.time_utc or abs((other.time_utc - one.time_utc).total_seconds()) < SAME_REPORT_S
 
 
-def _report(group: list[tuple[float, complex, Mark]]) -> _Report:
-    """Return the report behind the places of one group: carried back to its own time."""
-    at_s, place, mark = group[0]
-    if len(group) > 1 and group[-1][0] > at_s:
-        velocity = (group[-1][1] - place) / (group[-1][0] - at_s)
-    else:
-        velocity = _reported_velocity(mark)
-    time_s = at_s if mark.time_utc is None else mark.time_utc.timestamp()
-    return time_s, place - velocity * (at_s - time_s), velocity
+def _reports(histories: Mapping[str, Sequence[_Shown]], origin: Position) -> _Reports:
+    """Return the reports behind the records that show them, each carried back to its own time."""
+    shown = list(chain.from_iterable(histories.values()))
+    first, newest = (_places([getattr(s, end).position for s in shown], origin) for end in ("first", "newest"))
+    at_s, newest_s = np.array([s.first_s for s in shown]), np.array([s.newest_s for s in shown])
+    velocity = np.zeros(len(shown), np.complex128)
+    carried = newest_s > at_s
+    velocity[carried] = (newest[carried] - first[carried]) / (newest_s - at_s)[carried]
+    for alone in np.flatnonzero(~carried).tolist():
+        velocity[alone] = _reported_velocity(shown[alone].first)
+    times = [s.first.time_utc for s in shown]
+    time_s = np.array([at if time is None else time.timestamp() for at, time in zip(at_s, times, strict=True)])
+    length = np.array([len(known) for known in histories.values()], dtype=np.int64)
+    return _Reports(np.cumsum(length) - length, time_s, first - velocity * (at_s - time_s), velocity)
+
+
+def _places(positions: Sequence[Position], origin: Position) -> ComplexArray:
+    plane = cloud_to_plane(origin, [p.lat_deg for p in positions], [p.lon_deg for p in positions])
+    return np.asarray(plane[:, 0] + 1j * plane[:, 1], np.complex128)
 
 
 def _reported_velocity(mark: Mark) -> complex:
@@ -106,18 +131,15 @@ def _reported_velocity(mark: Mark) -> complex:
     return cmath.rect(mark.speed_mps, math.radians(mark.course_deg))
 
 
-def _between(
-    histories: Sequence[Sequence[_Report]], knot_s: FloatArray
-) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray]:
+def _between(reports: _Reports, knot_s: FloatArray) -> tuple[ComplexArray, ComplexArray, FloatArray, FloatArray]:
     """Return place, velocity, time to the nearest report and doubt [m], each (n, K): a blend of the two reports around.
 
     The doubt is how far the two disagree, where both count.
     """
-    length = np.array([len(reports) for reports in histories], dtype=np.int64)
-    first = (np.cumsum(length) - length)[:, None]
-    time_s, place, velocity = (np.array(part) for part in zip(*chain.from_iterable(histories), strict=True))
-    earlier = np.add.reduceat(time_s[:, None] < knot_s, first[:, 0], dtype=np.int64)
-    after = first + np.minimum(earlier, length[:, None] - 1)
+    time_s, place, velocity, first = reports.time_s, reports.place, reports.velocity, reports.first[:, None]
+    last = np.append(reports.first[1:], len(time_s))[:, None] - 1
+    earlier = np.add.reduceat(time_s[:, None] < knot_s, reports.first, dtype=np.int64)
+    after = np.minimum(first + earlier, last)
     before = np.maximum(after - (time_s[after] > knot_s), first)
     forward_s, backward_s = knot_s - time_s[before], knot_s - time_s[after]
     span_s = time_s[after] - time_s[before]

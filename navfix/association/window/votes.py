@@ -20,6 +20,8 @@ from navfix.association.window.null import in_ship_velocity
 from navfix.types import FloatArray, IntArray
 
 Plausible = Callable[[Poses], np.ndarray]
+BUCKET_BITS = 18  # at most: counts of more buckets do not stay in the cache
+BUCKETS_A_CELL = 4  # full buckets that are looked into first, for each cell wanted: some hold several cells
 
 
 def starts(field: WindowField, shape: Knots, plausible: Plausible | None = None) -> Knots:
@@ -107,15 +109,38 @@ def _fullest(p: ComplexArray, heading_rad: FloatArray, field: WindowField, shift
     turn += np.where(turn < 0, headings, 0)
     north, east = north - north.min(), east - east.min()
     number = (turn * (int(east.max()) + 1) + east) * (int(north.max()) + 1) + north
-    bits = len(p).bit_length()
-    ordered = np.sort((number << bits) | np.arange(len(p)))  # cell and vote as one number: quicker than argsort
-    begins = np.flatnonzero(np.diff(ordered >> bits, prepend=-1))
-    size = np.diff(begins, append=len(p))
-    top = _largest(size, field.model.seeds)
-    votes = np.concatenate([ordered[begins[cell] : begins[cell] + size[cell]] for cell in top]) & ((1 << bits) - 1)
-    first = np.cumsum(size[top]) - size[top]
-    mean_p = np.asarray(np.add.reduceat(p[votes], first) / size[top], dtype=np.complex128)
+    votes, size = _in_fullest(number, field.model.seeds)
+    first = np.cumsum(size) - size
+    mean_p = np.asarray(np.add.reduceat(p[votes], first) / size, dtype=np.complex128)
     return Poses(mean_p, np.angle(np.add.reduceat(np.exp(1j * heading_rad[votes]), first)))
+
+
+def _in_fullest(cell: IntArray, most: int) -> tuple[IntArray, IntArray]:
+    """Return the votes of the fullest cells, cell by cell, and how many each holds: fullest first, then in their order.
+
+    Most cells hold a vote or two. Votes are counted in buckets by the last bits of their cell's number first: a cell
+    holds no more than its bucket, so only the votes of full buckets are sorted.
+    """
+    bucket = cell & ((1 << min(len(cell).bit_length(), BUCKET_BITS)) - 1)
+    in_bucket = np.bincount(bucket)
+    of_vote = in_bucket[bucket]
+    as_full = np.cumsum(np.bincount(in_bucket)[::-1])[::-1]  # how many buckets hold so many votes or more
+    least = int(np.count_nonzero(as_full >= BUCKETS_A_CELL * most))
+    while True:  # twice at most: what is reached is no more than the fullest cells of all reach
+        votes, begins, size = _sorted_by_cell(cell, np.flatnonzero(of_vote >= least))
+        top = _largest(size, most)
+        reached = int(size[top[-1]]) if len(top) == most else 1
+        if least <= reached:
+            return np.concatenate([votes[begins[t] : begins[t] + size[t]] for t in top]), size[top]
+        least = reached
+
+
+def _sorted_by_cell(cell: IntArray, votes: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+    """Return votes in the order of their cells, where each cell begins, and how many votes it holds."""
+    bits = len(cell).bit_length()
+    ordered = np.sort((cell[votes] << bits) | votes)  # cell and vote as one number: quicker than argsort
+    begins = np.flatnonzero(np.diff(ordered >> bits, prepend=-1))
+    return ordered & ((1 << bits) - 1), begins, np.diff(begins, append=len(votes))
 
 
 def _cells(value: FloatArray) -> IntArray:
