@@ -33,7 +33,7 @@ class PairIndex:
         """Index all pairs of marks ``z`` (n,) [m] at most ``longest_m`` apart; two in one point have no direction."""
         first, second = _close_pairs(z, longest_m)
         distance_m = np.abs(z[first] - z[second]).astype(np.float32)
-        order = np.argsort(distance_m, kind="stable")
+        order = _ascending(distance_m)
         return cls(distance_m[order], first[order], second[order])
 
     @cached_property
@@ -61,6 +61,17 @@ class PairIndex:
         low = np.searchsorted(self.distance_m, (distance_m - half_width_m).astype(np.float32), side="left")
         high = np.searchsorted(self.distance_m, (distance_m + half_width_m).astype(np.float32), side="right")
         return low, high
+
+
+def _ascending(distance_m: NDArray[np.float32]) -> NDArray[np.int64]:
+    """Return the order of distances, equal ones as they come.
+
+    The bits of floats that are not negative are in the order of the floats: with the index behind them one sort of
+    whole numbers is quicker than a stable one of floats.
+    """
+    keyed = (distance_m.view(np.int32).astype(np.int64) << 32) | np.arange(len(distance_m))
+    keyed.sort()
+    return np.asarray(keyed & 0xFFFFFFFF)
 
 
 def _close_pairs(z: ComplexArray, longest_m: float) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

@@ -45,6 +45,8 @@ class Acceptance:
     def __init__(self, model: NavigatorModel) -> None:
         self._model = model
         self._blind: deque[Blind] = deque()
+        self._carried_s = -np.inf
+        self._carried: dict[Place, Place] = {}
 
     def note(self, blind: Blind | None) -> None:
         """Take a blind solve in; those older than the memory are forgotten."""
@@ -115,4 +117,12 @@ class Acceptance:
         model = self._model
         after_s = place.time_s - earlier.time_s
         near_m = model.same_m + model.gap_mps * abs(after_s)
-        return earlier.carried(place.time_s, model).distance_m(place) <= near_m
+        return self._at(place.time_s, earlier).distance_m(place) <= near_m
+
+    def _at(self, time_s: float, earlier: Place) -> Place:
+        """Return a place carried to an instant: that of all hypotheses, so that once is enough for each."""
+        if time_s != self._carried_s:
+            self._carried_s, self._carried = time_s, {}
+        if earlier not in self._carried:
+            self._carried[earlier] = earlier.carried(time_s, self._model)
+        return self._carried[earlier]

@@ -17,7 +17,8 @@ import numpy as np
 from navfix.association.matchings import log_mean_evidence
 from navfix.association.scene import heading_of, position_of
 from navfix.association.window import gyro, jackknife, joint, pairs
-from navfix.association.window.fit import WindowField, as_clutter, lay_over
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import as_clutter, paths_over_ground
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.knots import Knots
 from navfix.catalog import AssociationModel, NavigatorModel, association_model
@@ -269,8 +270,8 @@ def _detection(field: WindowField, knots: Knots) -> FloatArray:
 
 def _motion(window: Window, knots: Knots) -> FloatArray:
     """Return by how much own motion (k,) makes the clutter likelier than the null's own motion does."""
-    clutter = as_clutter(window.field, lay_over(window.field.without_marks, knots).path)
+    clutter = as_clutter(window.field, paths_over_ground(window.field, knots)[0])
     fitted: FloatArray = clutter.log_density.sum(axis=1) + window.prior.log_shape(knots)
-    null_path = lay_over(window.field.without_marks, window.null.shape).path
+    null_path, _ = paths_over_ground(window.field, window.null.shape)
     null = float(as_clutter(window.field, null_path).log_density.sum() + window.prior.log_shape(window.null.shape)[0])
     return np.asarray(fitted - null, dtype=np.float64)

@@ -14,7 +14,8 @@ import numpy as np
 from navfix.association.em import GATE, NOMINAL_LEVEL
 from navfix.association.matchings import log_mean_evidence
 from navfix.association.window.em import density_ratio, expect
-from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import Fit, as_clutter, lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi

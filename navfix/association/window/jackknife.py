@@ -12,7 +12,8 @@ import numpy as np
 
 from navfix.association.window.em import knot_step
 from navfix.association.window.evidence import posterior
-from navfix.association.window.fit import WindowField, lay_over
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray
 

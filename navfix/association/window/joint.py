@@ -10,7 +10,7 @@ import numpy as np
 from navfix.association.prior import log_area
 from navfix.association.window import em, evidence, null, rigid, scene, votes
 from navfix.association.window.evidence import Answers
-from navfix.association.window.fit import WindowField
+from navfix.association.window.field import WindowField
 from navfix.association.window.knots import Knots, MotionPrior, PosePrior, motion_prior, placed, shape_of
 from navfix.association.window.null import Null
 from navfix.association.window.votes import Plausible

@@ -165,7 +165,7 @@ class MotionPrior:
 
     def shape_rows(self) -> IntArray:
         """Return which unknowns are the shape of the motion: neither the gauge knot's pose nor the clock."""
-        return np.setdiff1d(np.arange(len(self.information) - 1), 3 * self.gauge + np.arange(3))
+        return np.concatenate([np.arange(3 * self.gauge), np.arange(3 * self.gauge + 3, len(self.information) - 1)])
 
     def _log_det_shape(self) -> float:
         keep = np.append(self.shape_rows(), len(self.information) - 1)

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.window.em import Expectation, normal_equations
-from navfix.association.window.fit import Clutter, Fit, WindowField, as_clutter, lay_over
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import as_clutter, paths_over_ground
 from navfix.association.window.knots import Knots, MotionPrior
+from navfix.association.window.normal import clutter_equations
 from navfix.types import FloatArray
 
 ROUNDS = 8
@@ -32,7 +33,7 @@ def fit_null(field: WindowField, prior: MotionPrior) -> Null:
     """Fit own motion to the tracks as clutter, from several velocities, and weigh it."""
     if field.scene.knots == 1:
         zero = Knots(np.zeros((1, 1), complex), np.zeros((1, 1)), np.zeros(1))
-        return Null(zero, float(as_clutter(field, _fit_of(field, zero).path).log_density.sum()))
+        return Null(zero, float(as_clutter(field, paths_over_ground(field, zero)[0]).log_density.sum()))
     knots, log_density = _descended(field, prior, _starts(field), ROUNDS // 2)
     return fit_from(field, prior, knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS]), ROUNDS // 2)
 
@@ -69,7 +70,7 @@ def _starts(field: WindowField) -> Knots:
         np.zeros((len(candidates), scene.knots)),
         np.zeros(len(candidates)),
     )
-    score = as_clutter(field, _fit_of(field, knots).path).log_density.sum(axis=1)
+    score = as_clutter(field, paths_over_ground(field, knots)[0]).log_density.sum(axis=1)
     best = np.argsort(-score, kind="stable")[:STARTS]
     return Knots.join(rest, knots.take(best))
 
@@ -85,9 +86,9 @@ def in_ship_velocity(field: WindowField) -> np.ndarray:
 
 def _step(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, FloatArray, FloatArray]:
     """One step of the EM without marks: moved motions, information of the shape, ln density before the step."""
-    fit = _fit_of(field, knots)
-    clutter = as_clutter(field, fit.path)
-    information, gradient = normal_equations(field, knots, fit, _all_clutter(clutter))
+    path, axis = paths_over_ground(field, knots)
+    clutter = as_clutter(field, path)
+    information, gradient = clutter_equations(field, knots, axis, path, clutter)
     information += prior.information[None]
     gradient += prior.given(None).gradient(knots)
     keep = prior.shape_rows()
@@ -95,14 +96,3 @@ def _step(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, 
     step = np.zeros_like(gradient)
     step[:, keep] = np.linalg.solve(inner, gradient[:, keep, None])[:, :, 0]
     return knots.moved(step), inner, clutter.log_density.sum(axis=1)
-
-
-def _fit_of(field: WindowField, knots: Knots) -> Fit:
-    """Lay the tracks without any marks."""
-    return lay_over(field.without_marks, knots)
-
-
-def _all_clutter(clutter: Clutter) -> Expectation:
-    none = np.zeros((*clutter.log_density.shape, 0))
-    ones = np.ones_like(clutter.log_density)
-    return Expectation(none, ones, none, clutter)

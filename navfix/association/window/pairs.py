@@ -13,7 +13,8 @@ from scipy.optimize import linear_sum_assignment
 from navfix.association.em import GATE, NOMINAL_LEVEL, NOMINAL_SHARE
 from navfix.association.pairs import association_marginals
 from navfix.association.window.em import density_ratio
-from navfix.association.window.fit import Fit, WindowField, as_clutter, lay_over
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import Fit, as_clutter, lay_over
 from navfix.association.window.knots import Knots
 from navfix.association.window.tracks import epoch_time
 from navfix.types import Epoch, FloatArray, IntArray

@@ -9,7 +9,8 @@ import numpy as np
 
 from navfix.association.em import NOMINAL_SHARE
 from navfix.association.scene import ComplexArray
-from navfix.association.window.fit import WindowField, by_axis, near_middle, over_axes
+from navfix.association.window.field import WindowField
+from navfix.association.window.fit import axes, by_axis, near_middle, over_axes
 from navfix.association.window.knots import LOOSE_M, LOOSE_RAD, Knots
 from navfix.types import FloatArray
 
@@ -18,9 +19,9 @@ def rigid_step(field: WindowField, knots: Knots, widening: float) -> tuple[Knots
     """Move k own motions as a whole; return them and ln of the total likelihood before."""
     scene, means = field.scene, field.means
     turn = np.exp(1j * knots.heading_rad)
-    mark, axis = near_middle(field, knots, turn)
+    mark = near_middle(field, knots)
     track = np.arange(mark.shape[1])[None, :, None]
-    back = np.conj(axis)
+    back = np.conj(axes(field, turn))
     to_mean = scene.basis[:, 0]  # (m, K)
     world = knots.p @ to_mean.T + turn @ (to_mean * scene.rho).T  # (k, m)
     there = means.z[track, mark] + means.v[track, mark] * knots.clock_s[:, None, None]

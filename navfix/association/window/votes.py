@@ -14,7 +14,7 @@ import numpy as np
 from navfix.association.pair_index import PairIndex
 from navfix.association.scene import ComplexArray, Scene
 from navfix.association.seeds import Poses, RadarPairs, radar_pairs
-from navfix.association.window.fit import WindowField
+from navfix.association.window.field import WindowField
 from navfix.association.window.knots import Knots, placed
 from navfix.association.window.null import in_ship_velocity
 from navfix.types import FloatArray, IntArray
