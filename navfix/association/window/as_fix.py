@@ -21,10 +21,11 @@ def as_fix(window: Window, pose: PoseAtEnd, matched: Pairs, association: Associa
     """
     observations: list[AdjustedObservation] = []
     scene = window.field.scene
+    yaw_rad = scene.yaw_at_end
     for (track, mark), misfit_m in zip(matched.index.tolist(), matched.misfit_m, strict=True):
         if scene.tracks[track].newest < 0 or scene.paths.newest[mark] < 0:
             continue  # it took part, but the newest epoch does not show it
-        observations += _observations(window, track, mark, misfit_m, pose)
+        observations += _observations(window, track, mark, misfit_m, pose, yaw_rad)
     true = scene.flat.reference == "true"  # then the pose's angle is what the compass is off by
     angle_deg, unknowns = heading_of(scene.flat, pose.p, pose.heading_rad), 2 if true else 3
     notes = (f"From {len(matched.index)} tracks over {window.field.scene.knots * window.field.model.bin_s:.0f} s.",)
@@ -49,7 +50,7 @@ def as_fix(window: Window, pose: PoseAtEnd, matched: Pairs, association: Associa
 
 
 def _observations(
-    window: Window, track: int, mark: int, misfit_m: FloatArray, pose: PoseAtEnd
+    window: Window, track: int, mark: int, misfit_m: FloatArray, pose: PoseAtEnd, yaw_rad: float
 ) -> list[AdjustedObservation]:
     scene = window.field.scene
     range_m = float(scene.flat.range_m[track])
@@ -59,7 +60,7 @@ def _observations(
         "range",
         "true_bearing" if scene.flat.reference == "true" else "relative_bearing",
     )
-    azimuth = math.radians(bearing_deg) + pose.heading_rad - scene.yaw_at_end
+    azimuth = math.radians(bearing_deg) + pose.heading_rad - yaw_rad
     made = []
     for axis, kind in enumerate(kinds):
         unit = 1.0 if axis == 0 else math.degrees(1.0 / range_m)

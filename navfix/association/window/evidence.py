@@ -100,8 +100,10 @@ def matched(field: WindowField, knots: Knots) -> FloatArray:
 
 def _matched(field: WindowField, fit: Fit) -> FloatArray:
     """Return how many distinct marks (k,) some track is more likely to be than clutter."""
-    taken = posterior(field, fit) > 0.5
-    return np.array([len(np.unique(mark[row])) for mark, row in zip(fit.mark, taken, strict=True)], dtype=np.float64)
+    motion, track, neighbour = np.nonzero(posterior(field, fit) > 0.5)
+    taken = np.zeros((len(fit.mark), len(field.scene.paths.marks)), dtype=bool)
+    taken[motion, fit.mark[motion, track, neighbour]] = True
+    return np.asarray(taken.sum(axis=1), dtype=np.float64)
 
 
 def posterior(field: WindowField, fit: Fit) -> FloatArray:

@@ -35,6 +35,9 @@ class Track:
     newest: int
 
 
+_Placed = tuple[float, RadarTarget, complex]  # time [POSIX s], target, place in the de-rotated ship's frame [m]
+
+
 def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tuple[list[Track], Yaw]:
     """Return the tracks of a window, longest first, and own ship's yaw that was taken out of them.
 
@@ -49,10 +52,7 @@ def tracks_of(epochs: Sequence[Epoch], reference: str, model: WindowModel) -> tu
     newest = {t.label: i for i, t in enumerate(epochs[-1].targets) if t.bearing_reference == reference}
     fewest = min(model.fewest_reports, len(scans))
     found = []
-    for label in sorted({label for scan in scans for label in scan}):
-        reports = [
-            (scan[label][0], scan[label][1], turn) for scan, turn in zip(scans, turns, strict=True) if label in scan
-        ]
+    for label, reports in sorted(_by_label(scans, turns).items()):
         parts = list(_pieces(reports, model))
         for number, part in enumerate(parts):
             live = label in newest and number == len(parts) - 1
@@ -89,13 +89,22 @@ def _scan(epoch: Epoch, reference: str) -> dict[str, Report]:
     }
 
 
-def _pieces(
-    reports: list[tuple[float, RadarTarget, float]], model: WindowModel
-) -> Iterator[list[tuple[float, RadarTarget, complex]]]:
+def _by_label(scans: Sequence[dict[str, Report]], turns: FloatArray) -> dict[str, list[_Placed]]:
+    """Return the reports of every target number, placed in the de-rotated ship's frame."""
+    reports = [report for scan in scans for report in scan.values()]
+    turn = np.repeat(turns, [len(scan) for scan in scans])
+    bearing_rad = np.radians([target.bearing_deg for _, target in reports]) + turn
+    rho = np.array([target.range_m for _, target in reports]) * np.exp(1j * bearing_rad)
+    found: dict[str, list[_Placed]] = {}
+    for (time_s, target), place in zip(reports, rho.tolist(), strict=True):
+        found.setdefault(target.label, []).append((time_s, target, place))
+    return found
+
+
+def _pieces(reports: list[_Placed], model: WindowModel) -> Iterator[list[_Placed]]:
     """Yield the pieces of one target number between reuses."""
-    piece: list[tuple[float, RadarTarget, complex]] = []
-    for time_s, target, turn in reports:
-        rho = target.range_m * np.exp(1j * (np.radians(target.bearing_deg) + turn))
+    piece: list[_Placed] = []
+    for time_s, target, rho in reports:
         if piece:
             since_s, jump_m = time_s - piece[-1][0], abs(rho - piece[-1][2])
             if since_s <= 0.0:
@@ -103,12 +112,12 @@ def _pieces(
             if since_s > model.gap_s or jump_m > model.jump_m:
                 yield piece
                 piece = []
-        piece.append((time_s, target, complex(rho)))
+        piece.append((time_s, target, rho))
     if piece:
         yield piece
 
 
-def _track(label: str, piece: list[tuple[float, RadarTarget, complex]], newest: int) -> Track:
+def _track(label: str, piece: list[_Placed], newest: int) -> Track:
     last = piece[-1][1]
     return Track(
         label,
