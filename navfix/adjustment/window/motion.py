@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -26,7 +26,12 @@ class _Linear:
     values: FloatArray
     offset: FloatArray
     turn: FloatArray
-    component: int
+    component: IntArray
+
+    @classmethod
+    def of(cls, *parts: _Linear) -> _Linear:
+        """Return the rows of all parts as one."""
+        return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
     def residual(self, state: FloatArray) -> FloatArray:
         off = np.einsum("rc,rc->r", self.values, state[self.columns]) - self.offset
@@ -39,18 +44,17 @@ class OwnMotion:
     def __init__(self, window: Window, layout: Layout) -> None:
         self._window, self._layout = window, layout
         self._logged = np.flatnonzero(logged(window))
-        self._linear = [_turns(window), _by_inertia(window), _first_speed(window)]
+        self._linear = _Linear.of(_turns(window), _by_inertia(window), _first_speed(window))
         parts = self._others(np.zeros(layout.size))
-        self.columns = np.concatenate([*(part.columns for part in self._linear), *(part[1] for part in parts)])
-        sorts = [(len(part.offset), part.component) for part in self._linear]
-        sorts += [(len(part[0]), sort) for part, sort in zip(parts, (_MOVE, _GIVEN, _GIVEN), strict=True)]
-        self.component = np.repeat([sort for _, sort in sorts], [count for count, _ in sorts])
+        self.columns = np.concatenate([self._linear.columns, *(part[1] for part in parts)])
+        others = np.repeat((_MOVE, _GIVEN, _GIVEN), [len(part[0]) for part in parts])
+        self.component = np.concatenate([self._linear.component, others])
 
     def rows(self, state: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return residuals (m,) and derivatives (m, 8) in units of sigma."""
         parts = self._others(state)
-        residual = np.concatenate([*(part.residual(state) for part in self._linear), *(part[0] for part in parts)])
-        return residual, np.concatenate([*(part.values for part in self._linear), *(part[2] for part in parts)])
+        residual = np.concatenate([self._linear.residual(state), *(part[0] for part in parts)])
+        return residual, np.concatenate([self._linear.values, *(part[2] for part in parts)])
 
     def _others(self, state: FloatArray) -> list[Part]:
         window, layout = self._window, self._layout
@@ -87,7 +91,8 @@ def _turns(window: Window) -> _Linear:
     values[:, 0], values[:, 1] = -1.0 / sigma, 1.0 / sigma
     use = _connected(window)
     offset = np.where(told, turned, 0.0) / sigma
-    return _Linear(columns[use], values[use], offset[use], (2.0 * math.pi / sigma)[use], _TURN)
+    whole = 2.0 * math.pi / sigma
+    return _Linear(columns[use], values[use], offset[use], whole[use], np.full(np.count_nonzero(use), _TURN))
 
 
 def _by_log(window: Window, layout: Layout, use: IntArray, state: FloatArray) -> Part:
@@ -146,7 +151,7 @@ def _first_speed(window: Window) -> _Linear:
 
 
 def _unbiased(columns: IntArray, values: FloatArray, component: int) -> _Linear:
-    return _Linear(columns, values, np.zeros(len(columns)), np.zeros(len(columns)), component)
+    return _Linear(columns, values, np.zeros(len(columns)), np.zeros(len(columns)), np.full(len(columns), component))
 
 
 def _unseen_heading(window: Window, layout: Layout, state: FloatArray) -> Part:

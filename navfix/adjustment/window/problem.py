@@ -142,6 +142,8 @@ def sightings_of(epochs: Sequence[Epoch], pairs: Pairs) -> list[Sighting]:
     """
     found = []
     for number, (epoch, named) in enumerate(zip(epochs, _by_epoch(epochs, pairs), strict=True)):
+        if not named:
+            continue
         marks = {mark.label: mark for mark in epoch.marks}
         taken: set[str] = set()
         for target in epoch.targets:

@@ -11,6 +11,7 @@ import cmath
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import datetime
 from itertools import chain
 
 import numpy as np
@@ -55,8 +56,12 @@ class _Reports:
 
 @dataclass(slots=True)
 class _Shown:
-    """The first and the newest of the records that show one report, each with the time of its epoch [POSIX s]."""
+    """The first and the newest of the records that show one report, each with the time of its epoch [POSIX s].
 
+    ``time_utc`` is that of the report, as the first record has it.
+    """
+
+    time_utc: datetime | None
     first_s: float
     first: Mark
     newest_s: float
@@ -83,39 +88,38 @@ def paths_of(epochs: Sequence[Epoch], origin: Position, knot_s: FloatArray, mode
 def _histories(epochs: Sequence[Epoch]) -> dict[str, list[_Shown]]:
     """Return the reports of every mark by its label, in the order of time."""
     histories: dict[str, list[_Shown]] = {}
+    newest: dict[str, _Shown] = {}
     for epoch in epochs:
         at_s = epoch_time(epoch)
         for mark in epoch.marks:
-            known = histories.get(mark.label)
-            if known is None:
-                histories[mark.label] = [_Shown(at_s, mark, at_s, mark)]
-            elif _same_report(known[-1].first, mark):
-                known[-1].newest_s, known[-1].newest = at_s, mark
+            label, time_utc = mark.label, mark.time_utc
+            shown = newest.get(label)
+            if shown is not None and (shown.time_utc is time_utc or _same_instant(shown.time_utc, time_utc)):
+                shown.newest_s, shown.newest = at_s, mark
             else:
-                known.append(_Shown(at_s, mark, at_s, mark))
+                newest[label] = _Shown(time_utc, at_s, mark, at_s, mark)
+                histories.setdefault(label, []).append(newest[label])
     return histories
 
 
-def _same_report(one: Mark, other: Mark) -> bool:
-    if one.time_utc is other.time_utc:
-        return True
-    if one.time_utc is None or other.time_utc is None:
-        return False
-    return one.time_utc == other.time_utc or abs((other.time_utc - one.time_utc).total_seconds()) < SAME_REPORT_S
+def _same_instant(one: datetime | None, other: datetime | None) -> bool:
+    if one is None or other is None:
+        return one is other
+    return one == other or abs((other - one).total_seconds()) < SAME_REPORT_S
 
 
 def _reports(histories: Mapping[str, Sequence[_Shown]], origin: Position) -> _Reports:
     """Return the reports behind the records that show them, each carried back to its own time."""
     shown = list(chain.from_iterable(histories.values()))
-    first, newest = (_places([getattr(s, end).position for s in shown], origin) for end in ("first", "newest"))
+    first = _places([s.first.position for s in shown], origin)
+    newest = _places([s.newest.position for s in shown], origin)
     at_s, newest_s = np.array([s.first_s for s in shown]), np.array([s.newest_s for s in shown])
     velocity = np.zeros(len(shown), np.complex128)
     carried = newest_s > at_s
     velocity[carried] = (newest[carried] - first[carried]) / (newest_s - at_s)[carried]
     for alone in np.flatnonzero(~carried).tolist():
         velocity[alone] = _reported_velocity(shown[alone].first)
-    times = [s.first.time_utc for s in shown]
-    time_s = np.array([at if time is None else time.timestamp() for at, time in zip(at_s, times, strict=True)])
+    time_s = np.array([s.first_s if s.time_utc is None else s.time_utc.timestamp() for s in shown])
     length = np.array([len(known) for known in histories.values()], dtype=np.int64)
     return _Reports(np.cumsum(length) - length, time_s, first - velocity * (at_s - time_s), velocity)
 
