@@ -73,10 +73,13 @@ class BetweenFixes:
             return self._now
         return replace(self._now, doubt=_LAPSED if track.lapsed else track.standing.why_silent(now_s))
 
-    def take(self, epoch: Epoch, fix: Fix, velocity_mps: complex | None = None) -> None:
+    def take(self, epoch: Epoch, fix: Fix, velocity_mps: complex | None = None, *, blind: bool = False) -> None:
         """Take a fix that the navigator gives out, with the velocity of its window over ground (north, east) [m/s].
 
-        A fix that was only carried forward says nothing new: it is not taken.
+        A fix that was only carried forward says nothing new: it is not taken. Where a ``blind`` one contradicts dead
+        reckoning, own ship has turned or stopped unseen, and dead reckoning goes on from the fix.
         """
+        if blind:
+            self._reckoner.expect_another()
         self._true_bearings = fix.heading_deg is None
         self._reckoner.take(epoch, fix, velocity_mps)

@@ -133,7 +133,7 @@ class Navigator:
         held = self._hold(now_s, blind, reckoned) if seen else None
         outcome = self._outcome(now_s, held, reckoned)
         if outcome.fix is not None and held is not None and not held.carried:
-            self._between.take(self._epochs[-1], outcome.fix, held.place.velocity_mps)
+            self._between.take(self._epochs[-1], outcome.fix, held.velocity_mps, blind=held.source == "blind")
         return outcome
 
     # ------------------------------------------------------------------------------------------------ blind solves

@@ -17,6 +17,7 @@ from navfix.association.window.joint import Joint, Window
 from navfix.association.window.settle import settle
 from navfix.association.window.tracks import epoch_time
 from navfix.catalog import NavigatorModel
+from navfix.geodesy import LocalPlane
 from navfix.integrity import with_window_integrity
 from navfix.sequence.bank import places_of
 from navfix.sequence.doubt import Standing
@@ -24,9 +25,11 @@ from navfix.sequence.places import Place, as_known_pose, as_prior
 from navfix.sequence.protection import TrackProtection
 from navfix.sequence.yaw import YawLog
 from navfix.types import Association, DeadReckoning, Epoch, Fix
+from navfix.units import wrap_180
 
 _BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
 
+REFUTES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
 Adjust = Callable[[Sequence[Epoch], associate.WindowAnswer, KnownPose | None], Fix]
 
 
@@ -34,7 +37,8 @@ Adjust = Callable[[Sequence[Epoch], associate.WindowAnswer, KnownPose | None], F
 class Held:
     """One step of the track: its fix (None where too little was matched) and where it came from.
 
-    A fix that was only ``carried`` forward from the one before rests on no new scan.
+    A fix that was only ``carried`` forward from the one before rests on no new scan. ``velocity_mps`` over ground
+    (north, east) is None where the window was too short to show one.
     """
 
     place: Place
@@ -43,6 +47,7 @@ class Held:
     evidence: float
     source: Literal["blind", "prior"]
     carried: bool = False
+    velocity_mps: complex | None = None
 
 
 class Track:
@@ -134,10 +139,20 @@ class Track:
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         fix = adjust(window.epochs, answer, None) if self._matched_now(answer, window, now_s) else None
-        if self._drifted:  # from here on the blind place is the prior, not dead reckoning
+        if self._drifted or self._refuted(place):  # from here on the blind place is the prior, not what led elsewhere
             self.adrift = self._drifted = False
             self._history.clear()
-        return self._take(Held(place, fix, answer.association, given_place, "blind"), now_s)
+        velocity = _velocity(window, settled.pose)
+        return self._take(Held(place, fix, answer.association, given_place, "blind", velocity_mps=velocity), now_s)
+
+    def _refuted(self, found: Place) -> bool:
+        """Tell whether a blind place of now is not where this track says that own ship is, nor lies so."""
+        model, here = self._model, self.place_at(found.time_s)
+        north_m, east_m = LocalPlane(here.position).to_plane(found.position)
+        step = np.array([north_m, east_m, math.radians(wrap_180(found.heading_deg - here.heading_deg))])
+        widened = np.diag([model.prior_m**2, model.prior_m**2, math.radians(model.prior_deg) ** 2])
+        either = model.prior_factor**2 * (here.covariance + found.covariance) + widened
+        return float(step @ np.linalg.solve(either, step)) > REFUTES
 
     def take_warm(self, window: Window, begin: Place, adjust: Adjust, now_s: float) -> Held:
         """Solve a window with a prior from before it, and take what its graph says, the prior one of its factors."""
@@ -155,9 +170,9 @@ class Track:
         if enough:
             answer = replace(answer, fix=replace(answer.fix, association=association), association=association)
             fix = adjust(window.epochs, answer, as_known_pose(begin, window.epochs[0], self._model))
-        return self._take(
-            Held(self._place(window, settled.pose, now_s), fix, association, float(answers.evidence[0]), "prior"), now_s
-        )
+        place, velocity = self._place(window, settled.pose, now_s), _velocity(window, settled.pose)
+        evidence = float(answers.evidence[0])
+        return self._take(Held(place, fix, association, evidence, "prior", velocity_mps=velocity), now_s)
 
     def carry(self, epoch: Epoch, now_s: float, reckoned: DeadReckoning | None) -> Held | None:
         """Return the last fix carried to a new epoch: data newer than the place are too few for a window yet.
@@ -232,6 +247,11 @@ class Track:
         )
         if self.lapsed and now_s - self._lapsed_since_s > model.drop_after_s:
             self.given_up = f"given up: nothing has spoken for the place for {model.drop_after_s:.0f} s"
+
+
+def _velocity(window: Window, pose: jackknife.PoseAtEnd) -> complex | None:
+    """Return the velocity over ground that a window shows, None where it is too short for one."""
+    return pose.velocity if window.field.scene.knots > 1 else None
 
 
 def _why_lost(place: Place, model: NavigatorModel) -> str:

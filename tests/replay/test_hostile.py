@@ -84,6 +84,15 @@ def test_a_ship_that_turned_while_radar_was_silent_is_found_again(seed: int):
     assert set(told.statuses[-4:]) == {"tracking"}
 
 
+@pytest.mark.parametrize(("silent_s", "missed"), [(45.0, 8), (12.0, 4)])
+def test_fixes_after_a_turn_that_radar_did_not_show_go_on_from_the_first_of_them(silent_s: float, missed: int):
+    turning = hostile.scene(3, duration_s=200.0, turn_degps=5.0, turn_deg=150.0).later(60.0)
+    told = hostile.tell(turning.changed(hostile.lose_echoes(1.0), after_s=48.0, for_s=silent_s), step_s=3.0)
+    assert told.fixes >= told.steps - missed
+    assert told.inside >= told.fixes - 1
+    assert told.worst_m < 100.0
+
+
 def test_a_turn_between_two_steps_is_no_other_place():
     told = hostile.tell(hostile.scene(1, turn_degps=2.0, turn_deg=160.0), step_s=60.0)
     assert told.fixes == told.steps

@@ -59,6 +59,9 @@ def test_own_yaw_is_what_all_bearings_change_by_together():
         targets["01"] += 15.0 * k  # one target passes close by
         scans.append({label: (2.5 * k, RadarTarget(label, 3000.0, b)) for label, b in targets.items()})
     assert np.degrees(common_yaw(scans)) == pytest.approx(turned_deg, abs=1e-9)
+    silent = [scans[0], {}, scans[1], {}, {}, *scans[2:]]  # own ship goes on while no echo is seen
+    assert np.degrees(common_yaw(silent)) == pytest.approx([0.0, 0.0, 3.0, 3.0, 3.0, -2.0, 8.0], abs=1e-9)
+    assert not common_yaw([{}, {}]).any()
 
 
 @pytest.mark.parametrize("kept", [0, 4, 5])

@@ -34,11 +34,15 @@ class Yaw:
 
 
 def common_yaw(scans: Sequence[Scan], model: WindowModel | str = "joint") -> FloatArray:
-    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.17) of the theory."""
+    """Return the angle [rad] that own ship has turned since the first scan (s,): eq. (6.17) of the theory.
+
+    A scan without echoes shows no turn: the next one that has some is compared with the last that had.
+    """
     constants = window_model(model)
-    turned = np.zeros(len(scans))
+    turned, before = np.zeros(len(scans)), scans[0] if scans else {}
     for k in range(1, len(scans)):
-        turned[k] = turned[k - 1] + turn_between(scans[k - 1], scans[k], constants)
+        turned[k] = turned[k - 1] + (turn_between(before, scans[k], constants) if before and scans[k] else 0.0)
+        before = scans[k] or before
     return turned
 
 
