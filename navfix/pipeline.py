@@ -71,7 +71,7 @@ def _fix_of_window(
     if isinstance(shared, CpdModel):
         raise InputError("a window of epochs is associated jointly: method cpd does not apply to it")
     epochs = since_silence(epochs)
-    found = solve_window(epochs, shared=shared)
+    found = solve_window(epochs, shared=shared, radar=radar)
     return with_window_integrity(refined(epochs, found, radar=radar, kernel=kernel)), found.association
 
 

@@ -67,7 +67,7 @@ def associate(
     [1] Myronenko & Song (2010), Point set registration: Coherent Point Drift.  [2] Knopp, thesis, 2.2 and 4.2.
     """
     if not isinstance(epoch, Epoch):
-        return _of_window(epoch, method, prove)
+        return _of_window(epoch, method, radar, prove)
     _require_enough(epoch)
     model = association_method(method)
     if isinstance(model, CpdModel):
@@ -85,13 +85,15 @@ def associate(
     return _association(found, scene, model, decision, labels, notes)
 
 
-def _of_window(epochs: Sequence[Epoch], method: str | AssociationModel | CpdModel, prove: bool) -> Association:
+def _of_window(
+    epochs: Sequence[Epoch], method: str | AssociationModel | CpdModel, radar: RadarModel | str, prove: bool
+) -> Association:
     from navfix.association.window.associate import associate_window
 
     shared = association_method(method)
     if isinstance(shared, CpdModel) or prove:
         raise InputError("a window of epochs is associated jointly: neither method cpd nor prove applies to it")
-    return associate_window(tuple(epochs), shared=shared)
+    return associate_window(tuple(epochs), shared=shared, radar=radar)
 
 
 def _require_enough(epoch: Epoch) -> None:

@@ -39,7 +39,8 @@ class Navigator:
     Parameters
     ----------
     model, window : constants of the navigator and of its windows, by name or record
-    radar, kernel : of the adjustment of each window, as for `navfix.fix`
+    radar : sigmas of the targets that bring none, in the association and the adjustment of each window
+    kernel : of the adjustment of each window, as for `navfix.fix`
     """
 
     def __init__(
@@ -159,7 +160,7 @@ class Navigator:
         if not epochs:
             return None
         try:
-            return joint.prepare(epochs, self._window)
+            return joint.prepare(epochs, self._window, radar=self._radar)
         except TooFewPairs:
             return None
 

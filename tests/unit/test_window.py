@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from functools import cache
@@ -17,12 +18,13 @@ from navfix.association.window.knots import Knots, motion_prior, placed, shape_o
 from navfix.association.window.marks import paths_of
 from navfix.association.window.tracks import since_silence, tracks_of
 from navfix.association.window.yaw import common_yaw
-from navfix.catalog import window_model
+from navfix.catalog import RadarModel, radar_model, window_model
 from navfix.errors import InputError, NoFix, TooFewPairs
 from navfix.geodesy import LocalPlane, inverse
 from navfix.nmea import read_log
 from navfix.picture import epochs
 from navfix.report.truth import TruthTrack
+from navfix.sequence.navigator import Navigator
 from navfix.simulation import scenario
 from navfix.simulation.files import truth_csv
 from navfix.types import Epoch, Mark, Position, RadarTarget
@@ -173,6 +175,40 @@ def test_one_scan_is_a_window_of_one_bin():
     answers = joint.cold(window).answers
     assert len(answers) >= 1
     assert np.isfinite(answers.evidence).all()
+
+
+COARSE = replace(radar_model("imo"), range_sigma_m=110.0, range_sigma_fraction=0.0, bearing_sigma_deg=2.2)
+
+
+def telling(window: Iterable[Epoch], radar: RadarModel | None) -> list[Epoch]:
+    """Return the epochs with targets that carry the sigmas of a radar, or none."""
+    sigma_m, sigma_deg = (None, None) if radar is None else (radar.range_sigma_m, radar.bearing_sigma_deg)
+    return [
+        replace(e, targets=tuple(replace(t, range_sigma_m=sigma_m, bearing_sigma_deg=sigma_deg) for t in e.targets))
+        for e in window
+    ]
+
+
+def test_targets_of_a_window_without_sigmas_have_those_of_the_radar():
+    silent, told = telling(recorded()[8:32], None), telling(recorded()[8:32], COARSE)
+    asked, as_told = navfix.associate(silent, radar=COARSE), navfix.associate(told)
+    assert asked.evidence == pytest.approx(as_told.evidence, rel=1e-9)
+    assert asked.covariance == pytest.approx(as_told.covariance, rel=1e-9)
+    assert abs(asked.evidence - navfix.associate(silent).evidence) > 1.0, "the radar is asked in vain"
+    fixed, as_told = navfix.fix(silent, radar=COARSE), navfix.fix(told, radar=COARSE)
+    assert fixed.association.evidence == pytest.approx(as_told.association.evidence, rel=1e-9)
+
+
+def test_the_navigator_takes_the_sigmas_of_its_radar_where_targets_bring_none():
+    def scores(radar: RadarModel, told: RadarModel | None) -> list[float]:
+        navigator = Navigator(radar=radar)
+        for epoch in telling(recorded()[8:32], told):
+            navigator.feed(epoch)
+        navigator.step()
+        return [place.score for place in navigator.alternatives()]
+
+    assert len(scores(COARSE, None)) > 0
+    assert scores(COARSE, None) == pytest.approx(scores(COARSE, COARSE), rel=1e-9)
 
 
 def test_windows_that_cannot_be_are_refused_in_words():

@@ -18,14 +18,18 @@ from navfix.association.window.jackknife import PoseAtEnd
 from navfix.association.window.joint import Joint, Window
 from navfix.association.window.pairs import Pairs
 from navfix.association.window.settle import Settled, settle
-from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
+from navfix.catalog import AssociationModel, RadarModel, WindowModel, association_model, window_model
 from navfix.errors import Ambiguous, InputError, NoAgreement, TooFewPairs
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray
 from navfix.types.found import LARGEST_MARGIN
 
 
 def associate_window(
-    epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
+    epochs: Sequence[Epoch],
+    *,
+    model: WindowModel | str = "joint",
+    shared: AssociationModel | str = "seeded",
+    radar: RadarModel | str = "imo",
 ) -> Association:
     """Find which track is which mark over a window of scans, and with it own position and heading at its end.
 
@@ -33,6 +37,7 @@ def associate_window(
     ----------
     epochs : scans in the order of time, each with its time
     model, shared : constants of the window, and those that it shares with the association of one scan
+    radar : sigma of range [m] and bearing [deg] where the targets bring none of their own
 
     Returns
     -------
@@ -44,7 +49,7 @@ def associate_window(
     NoAgreement : no own motion explains the tracks better than chance; Ambiguous : another explains them nearly as well
     InputError : epochs without a time, or not in the order of time
     """
-    return solve_window(epochs, model=model, shared=shared).association
+    return solve_window(epochs, model=model, shared=shared, radar=radar).association
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,11 +67,15 @@ class WindowAnswer:
 
 
 def solve_window(
-    epochs: Sequence[Epoch], *, model: WindowModel | str = "joint", shared: AssociationModel | str = "seeded"
+    epochs: Sequence[Epoch],
+    *,
+    model: WindowModel | str = "joint",
+    shared: AssociationModel | str = "seeded",
+    radar: RadarModel | str = "imo",
 ) -> WindowAnswer:
     """Return the fix of a window at its newest epoch, and what is behind it; raises as `associate_window`."""
     require_order(epochs)
-    window = joint.prepare(epochs, window_model(model), association_model(shared))
+    window = joint.prepare(epochs, window_model(model), association_model(shared), radar=radar)
     require_enough(window)
     found = gyro.cold(window)
     require_agreement(found, hinted=gyro.heading_prior(window).has_hint)

@@ -14,7 +14,7 @@ from navfix.association.window.field import WindowField
 from navfix.association.window.knots import Knots, MotionPrior, PosePrior, motion_prior, placed, shape_of
 from navfix.association.window.null import Null
 from navfix.association.window.votes import Plausible
-from navfix.catalog import AssociationModel, WindowModel, association_model, window_model
+from navfix.catalog import AssociationModel, RadarModel, WindowModel, association_model, radar_model, window_model
 from navfix.types import Epoch
 from navfix.units import wrap_pi
 
@@ -38,11 +38,15 @@ class Joint:
 
 
 def prepare(
-    epochs: Sequence[Epoch], model: WindowModel | None = None, shared: AssociationModel | None = None
+    epochs: Sequence[Epoch],
+    model: WindowModel | None = None,
+    shared: AssociationModel | None = None,
+    *,
+    radar: RadarModel | str = "imo",
 ) -> Window:
     """Make tracks, mark paths, priors and the null hypothesis of a window of epochs."""
     model, shared = model or window_model(), shared or association_model()
-    field = WindowField(scene.build(epochs, model, shared), model, shared)
+    field = WindowField(scene.build(epochs, model, shared, radar_model(radar)), model, shared)
     knots, gauge = field.scene.knot_s, field.scene.gauge
     prior = motion_prior(knots, gauge, log_area(field.flat), model)
     return Window(field, prior, null.fit_null(field, prior), tuple(epochs))

@@ -17,7 +17,7 @@ from navfix.association.window.bins import bases, binned
 from navfix.association.window.marks import MarkPaths, paths_of
 from navfix.association.window.tracks import Track, epoch_time, tracks_of
 from navfix.association.window.yaw import Yaw
-from navfix.catalog import AssociationModel, WindowModel
+from navfix.catalog import AssociationModel, RadarModel, WindowModel
 from navfix.errors import TooFewPairs
 from navfix.types import Epoch, FloatArray, IntArray, Position
 
@@ -69,8 +69,8 @@ class WindowScene:
         return len(self.knot_s)
 
 
-def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel) -> WindowScene:
-    """Cut a window into bins and bring its tracks and marks to them.
+def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel, radar: RadarModel) -> WindowScene:
+    """Cut a window into bins and bring its tracks and marks to them; targets without sigmas have those of ``radar``.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def build(epochs: Sequence[Epoch], model: WindowModel, shared: AssociationModel)
     origin = middle(np.array(lat), np.array(lon))
     paths = paths_of(epochs, origin, knot_s, model)
     basis, used, spread = bases(alive, knot_s)
-    constant, white = _variances(tracks, rho, alive, model)
+    constant, white = _variances(tracks, rho, alive, model, radar)
     middle_bin = np.array([int(np.flatnonzero(row)[row.sum() // 2]) for row in alive], dtype=np.int64)
     flat = _flat(origin, rho[np.arange(len(kept)), middle_bin], constant, paths, count // 2, reference, shared)
     return WindowScene(
@@ -115,12 +115,16 @@ def _reference(epochs: Sequence[Epoch]) -> str:
 
 
 def _variances(
-    tracks: list[Track], rho: ComplexArray, alive: np.ndarray, model: WindowModel
+    tracks: list[Track], rho: ComplexArray, alive: np.ndarray, model: WindowModel, radar: RadarModel
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the constant and the white variances (m, 2) of the tracks, radial and tangential [m^2]."""
+    """Return the constant and the white variances (m, 2) of the tracks, radial and tangential [m^2].
+
+    What a target's error is told to be, by its own sigmas or else those of the radar, may stay over the window.
+    """
     range_m = np.abs(rho).sum(axis=1) / np.maximum(alive.sum(axis=1), 1)
-    told_m = np.array([track.range_sigma_m or 0.0 for track in tracks])
-    told_rad = np.array([track.bearing_sigma_rad or 0.0 for track in tracks])
+    of_radar_m, of_radar_rad = radar.sigma_of_range_m(range_m), float(np.radians(radar.bearing_sigma_deg))
+    told_m = np.array([track.range_sigma_m or sigma_m for track, sigma_m in zip(tracks, of_radar_m, strict=True)])
+    told_rad = np.array([track.bearing_sigma_rad or of_radar_rad for track in tracks])
     constant_rad = np.maximum(np.radians(model.constant_deg), told_rad)
     constant = np.stack([np.maximum(model.constant_m, told_m), range_m * constant_rad], axis=1)
     white = np.stack([np.full(len(tracks), model.white_m), range_m * np.radians(model.white_deg)], axis=1)
