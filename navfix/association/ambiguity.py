@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navfix.association.evidence import Judged
+from navfix.association.seeds import firsts
 from navfix.catalog import AssociationModel
 from navfix.types import IntArray
 from navfix.units import wrap_pi
@@ -19,15 +20,7 @@ LATTICE_SPREAD = 0.2
 
 def distinct(judged: Judged, model: AssociationModel) -> Judged:
     """Keep the best of every group of poses that are the same answer (judged is sorted, best first)."""
-    same = _same(judged, judged, model)
-    left = np.ones(len(judged.evidence), dtype=bool)
-    kept = []
-    for row in range(len(left)):
-        if left[row]:
-            kept.append(row)
-            left &= ~same[row]
-            left[row] = False
-    return judged.take(np.array(kept, dtype=np.int64))
+    return judged.take(firsts(_same(judged, judged, model)))
 
 
 def same_as(judged: Judged, row: int, others: Judged, model: AssociationModel) -> NDArray[np.bool_]:
@@ -43,7 +36,7 @@ def _same(judged: Judged, others: Judged, model: AssociationModel) -> NDArray[np
     """Tell for each pose of ``judged`` which of the ``others`` are the same optimum, (k, l)."""
     offset = others.poses.p[None, :] - judged.poses.p[:, None]
     turn_rad = wrap_pi(others.poses.heading_rad[None, :] - judged.poses.heading_rad[:, None])
-    near = (np.abs(offset) <= model.distinct_m) & (np.abs(turn_rad) <= np.radians(model.distinct_deg))
+    near = judged.poses.near(others.poses, model.distinct_m, model.distinct_deg)
     step = np.stack([offset.real, offset.imag, turn_rad], axis=2)
     mahalanobis_sq = ((step @ judged.information) * step).sum(axis=2)
     same: NDArray[np.bool_] = near | (mahalanobis_sq <= model.distinct_sigma**2)

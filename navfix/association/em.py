@@ -22,7 +22,6 @@ from navfix.association.seeds import Poses
 from navfix.association.speeds import log_speed_ratio
 from navfix.catalog import AssociationModel
 from navfix.types import FloatArray, IntArray
-from navfix.units import wrap_pi
 
 NOMINAL_SHARE = 0.4  # of clutter among the echoes, while the pose is sought; the evidence averages over it
 REACH_SIGMA = 7.0  # beyond it a mark is no match
@@ -175,22 +174,13 @@ def refine(
     for widening in widest:
         fit = lay_over(screen, poses, reach_m=widening * REACH_SIGMA * field.widest_m)
         poses, information, gain = em_step(screen, poses, widening, fit)
-    poses = poses.take(_finalists(poses, gain, model, finalists or model.finalists))
+    most = finalists or model.finalists
+    poses = poses.take(poses.leaders(gain, most, 0.5 * model.distinct_m, 0.5 * model.distinct_deg))
     for number, widening in enumerate(rest):
         near = fit.mark if number % 2 else None  # the nearest marks change little in one step
         fit = lay_over(field, poses, near, reach_m=widening * REACH_SIGMA * field.widest_m)
         poses, information, _ = em_step(field, poses, widening, fit)
     return poses, information
-
-
-def _finalists(poses: Poses, gain: FloatArray, model: AssociationModel, most: int) -> IntArray:
-    """Return the rows of the best poses, one of each group that is on its way to the same optimum."""
-    order = np.argsort(-gain, kind="stable")
-    p, heading_rad = poses.p[order], poses.heading_rad[order]
-    near = np.abs(p[:, None] - p[None, :]) < 0.5 * model.distinct_m
-    near &= np.abs(wrap_pi(heading_rad[:, None] - heading_rad[None, :])) < 0.5 * np.radians(model.distinct_deg)
-    has_better = np.tril(near, -1).any(axis=1)
-    return order[~has_better][:most]
 
 
 def em_step(

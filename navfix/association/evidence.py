@@ -1,4 +1,4 @@
-"""Step 5: the evidence of a pose against "every echo is clutter".
+"""Step 5: the evidence of a pose against "every echo is clutter"; the tracks of a window are summed over likewise.
 
 Echoes are a Poisson clutter of local density c lambda and, for each mark in range, at most one echo with probability
 Pd_j. The likelihood of all ways to match them against the same for clutter alone is summed in `matchings`, for clutter
@@ -7,7 +7,7 @@ share c and detection level d; both are averaged over (a fixed share over-trusts
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -60,12 +60,19 @@ class Matches:
     @classmethod
     def of(cls, field: Field, fit: Fit) -> Matches:
         """Collect them from targets laid over marks."""
-        ratio, seen = odds_free_ratio(field, fit)
+        found = cls.among(field, fit.mark, *odds_free_ratio(field, fit), fit.distance_sq)
+        if field.log_pair_ratio is None:
+            return found
+        return replace(found, log_told=field.log_pair_ratio[found.target, found.mark])
+
+    @classmethod
+    def among(
+        cls, field: Field, mark: IntArray, ratio: FloatArray, seen: FloatArray, distance_sq: FloatArray
+    ) -> Matches:
+        """Collect them from the ratios, detection probabilities and distances of targets on marks, each (k, m, q)."""
         most = max(field.model.detection_level)
-        pose, target, near = np.nonzero(ratio > NEGLIGIBLE * (1.0 - most) / most)
-        at = (pose, target, near)
-        told = None if field.log_pair_ratio is None else field.log_pair_ratio[target, fit.mark[at]]
-        return cls(pose, target, fit.mark[at], ratio[at], seen[at], fit.distance_sq[at], told)
+        at = np.nonzero(ratio > NEGLIGIBLE * (1.0 - most) / most)
+        return cls(at[0], at[1], mark[at], ratio[at], seen[at], distance_sq[at])
 
     def at_levels(self, levels: FloatArray) -> FloatArray:
         """Return w_ij (levels, e) of eq. (6.4)."""
@@ -83,18 +90,19 @@ def judge(field: Field, poses: Poses, information: FloatArray, prior: Prior) -> 
     """Weigh poses (k,) and sort them, best first."""
     fit = lay_over(field, poses, reach_m=REACH_SIGMA * field.widest_m)
     matches = Matches.of(field, fit)
-    log_ratio = _log_ratio(field, poses, matches)
+    log_ratio = log_mean_ratio(field, poses, matches)
     evidence = log_ratio + prior.log_mass(poses, information)
-    found = Judged(poses, information, log_ratio, evidence, _matched(field, len(poses), matches))
+    found = Judged(poses, information, log_ratio, evidence, marks_matched(field, len(poses), matches))
     return found.take(np.argsort(-evidence, kind="stable"))
 
 
 def log_likelihood_ratio(field: Field, poses: Poses, fit: Fit) -> FloatArray:
     """Return ln of the likelihood ratio (k,), averaged over clutter share and detection level: eq. (6.7)."""
-    return _log_ratio(field, poses, Matches.of(field, fit))
+    return log_mean_ratio(field, poses, Matches.of(field, fit))
 
 
-def _log_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
+def log_mean_ratio(field: Field, poses: Poses, matches: Matches) -> FloatArray:
+    """Return eq. (6.7) (k,) from the matches of poses (k,), averaged over clutter share and detection level."""
     return log_mean(_log_terms(field, poses, matches))
 
 
@@ -136,7 +144,7 @@ def _log_missed(field: Field, poses: Poses, levels: FloatArray) -> FloatArray:
     return missed
 
 
-def _matched(field: Field, poses: int, matches: Matches) -> FloatArray:
+def marks_matched(field: Field, poses: int, matches: Matches) -> FloatArray:
     """Return how many distinct marks (k,) some target is more likely to be than clutter."""
     ratio = matches.at_levels(np.array([NOMINAL_LEVEL]))[0]
     by_target = matches.pose * len(field.scene.rho) + matches.target

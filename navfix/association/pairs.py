@@ -19,14 +19,24 @@ def one_to_one(field: Field, pose: Poses) -> tuple[IntArray, FloatArray]:
     fit = lay_over(field, pose)
     level, share = NOMINAL_LEVEL, _clutter_share(field, pose)
     ratio = np.where(fit.distance_sq <= GATE, likelihood_ratio(field, fit, level), 0.0)[0] / share
-    dense = np.zeros((len(field.scene.rho), len(field.scene.z)))
-    np.put_along_axis(dense, fit.mark[0], ratio, axis=1)
-    marks = np.flatnonzero(dense.any(axis=0))
-    target, column = linear_sum_assignment(np.log1p(dense[:, marks]), maximize=True)
-    chosen = dense[target, marks[column]] > 1.0
-    target, mark = target[chosen], marks[column[chosen]]
-    posterior = association_marginals(dense[:, marks])[target, column[chosen]]
-    return np.column_stack([target, mark]), posterior
+    return likeliest(ratio, fit.mark[0], len(field.scene.z))
+
+
+def likeliest(ratio: FloatArray, mark: IntArray, marks: int) -> tuple[IntArray, FloatArray]:
+    """Return the likeliest pairs (k, 2) and their posteriors (k,), each target and mark at most once.
+
+    Parameters
+    ----------
+    ratio, mark : (m, q) likelihood ratio of each target on ``marks`` near it against clutter, and which they are
+    """
+    dense = np.zeros((len(ratio), marks))
+    np.put_along_axis(dense, mark, ratio, axis=1)
+    near = np.flatnonzero(dense.any(axis=0))
+    dense = dense[:, near]
+    target, column = linear_sum_assignment(np.log1p(dense), maximize=True)
+    chosen = dense[target, column] > 1.0
+    target, column = target[chosen], column[chosen]
+    return np.column_stack([target, near[column]]), association_marginals(dense)[target, column]
 
 
 def association_marginals(ratio: FloatArray, sweeps: int = 30) -> FloatArray:

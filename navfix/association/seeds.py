@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from navfix.association.pair_index import PairIndex
-from navfix.association.scene import ComplexArray, Scene
+from navfix.association.scene import BoolArray, ComplexArray, Scene
 from navfix.catalog import AssociationModel
 from navfix.types import FloatArray, IntArray
+from navfix.units import wrap_pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class Poses:
     def __len__(self) -> int:
         return len(self.p)
 
-    def take(self, rows: IntArray | NDArray[np.bool_]) -> Poses:
+    def take(self, rows: IntArray | BoolArray) -> Poses:
         """Return the poses of ``rows``."""
         return Poses(self.p[rows], self.heading_rad[rows])
 
@@ -38,8 +39,32 @@ class Poses:
         """Return all poses of several batches as one."""
         return cls(np.concatenate([q.p for q in parts]), np.concatenate([q.heading_rad for q in parts]))
 
+    def near(self, others: Poses, within_m: float, within_deg: float) -> BoolArray:
+        """Tell for each pose (k,) which of the ``others`` (l,) are so near in place and heading (k, l)."""
+        near: BoolArray = np.abs(others.p[None, :] - self.p[:, None]) <= within_m
+        one, other = np.nonzero(near)  # few: only their headings are compared
+        near[one, other] = np.abs(wrap_pi(others.heading_rad[other] - self.heading_rad[one])) <= np.radians(within_deg)
+        return near
 
-Plausible = Callable[[Poses], NDArray[np.bool_]]
+    def leaders(self, gain: FloatArray, most: int, within_m: float, within_deg: float) -> IntArray:
+        """Return the rows of the poses of most ``gain`` (k,), best first: none that has a better one so near."""
+        order = np.argsort(-gain, kind="stable")
+        ranked = self.take(order)
+        has_better = np.tril(ranked.near(ranked, within_m, within_deg), -1).any(axis=1)
+        return order[~has_better][:most]
+
+
+def firsts(same: BoolArray) -> IntArray:
+    """Return the first row of every group that is the ``same`` (k, k) answer, answers best first."""
+    left, kept = np.ones(len(same), dtype=bool), []
+    for row in range(len(same)):
+        if left[row]:
+            kept.append(row)
+            left &= ~same[row]
+    return np.array(kept, dtype=np.int64)
+
+
+Plausible = Callable[[Poses], BoolArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,13 +129,7 @@ def votes(
     scene: Scene, index: PairIndex, pairs: RadarPairs, model: AssociationModel
 ) -> tuple[ComplexArray, FloatArray]:
     """Return position (v,) [m, complex] and heading (v,) [rad] of every vote."""
-    low, high = index.window(pairs.distance_m, model.pair_gate_sigma * pairs.distance_sigma_m)
-    count = high - low
-    allowed = np.cumsum(2 * count) <= model.votes_at_most
-    allowed[:1] = True
-    low, count = low[allowed], count[allowed]
-    pair = np.repeat(np.arange(len(count)), count)
-    entry = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)
+    pair, entry = candidates(index, pairs, model.pair_gate_sigma, model.votes_at_most)
     first, second = index.marks_of(entry)
     z_a, z_b = scene.z[first], scene.z[second]
     if index.row is not None:  # distances as they are today
@@ -118,13 +137,25 @@ def votes(
         same = (np.abs(np.abs(z_b - z_a) - pairs.distance_m[pair]) <= gate_m) & (first >= 0) & (second >= 0)
         same &= first != second
         pair, z_a, z_b = pair[same], z_a[same], z_b[same]
-    rho_i, rho_j = scene.rho[pairs.first[: len(count)]], scene.rho[pairs.second[: len(count)]]
+    rho_i, rho_j = scene.rho[pairs.first], scene.rho[pairs.second]
     turn = (z_b - z_a) * np.conj((rho_j - rho_i) / np.abs(rho_j - rho_i) ** 2)[pair]
     turn /= np.abs(turn)
     middle = 0.5 * (z_a + z_b)
     lever = turn * (0.5 * (rho_i + rho_j))[pair]
     p = np.concatenate([middle - lever, middle + lever])
     return p, np.angle(np.concatenate([turn, -turn]))
+
+
+def candidates(index: PairIndex, pairs: RadarPairs, gate_sigma: float, most: int) -> tuple[IntArray, IntArray]:
+    """Return radar pair (c,) and entry of the index (c,) of equal distance; each votes twice, at most so many votes."""
+    low, high = index.window(pairs.distance_m, gate_sigma * pairs.distance_sigma_m)
+    count = high - low
+    allowed = np.cumsum(2 * count) <= most
+    allowed[:1] = True
+    low, count = low[allowed], count[allowed]
+    pair = np.repeat(np.arange(len(count)), count)
+    entry = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low, count)
+    return pair, entry
 
 
 def _variance_along(scene: Scene, target: IntArray, direction: ComplexArray) -> FloatArray:

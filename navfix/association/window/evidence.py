@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from navfix.association.em import GATE, NOMINAL_LEVEL
-from navfix.association.matchings import log_mean_evidence
+from navfix.association.em import GATE
+from navfix.association.evidence import Matches, log_mean_ratio, marks_matched
+from navfix.association.seeds import firsts
 from navfix.association.window.em import density_ratio, expect
 from navfix.association.window.field import WindowField
-from navfix.association.window.fit import Fit, as_clutter, lay_over
+from navfix.association.window.fit import Clutter, Fit, as_clutter, lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray, IntArray
-from navfix.units import wrap_pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,68 +48,33 @@ def judge(
 ) -> Answers:
     """Weigh own motions (k) and sort them, best first unless told not to."""
     fit = lay_over(field, knots)
-    evidence = log_likelihood(field, knots, fit) + prior.log_density(knots)
-    evidence = evidence - 0.5 * np.linalg.slogdet(information)[1] - log_null
-    found = Answers(knots, information, evidence, _matched(field, fit))
-    return found.take(np.argsort(-evidence, kind="stable")) if sort else found
-
-
-def log_likelihood(field: WindowField, knots: Knots, fit: Fit) -> FloatArray:
-    """Return ln of the likelihood (k,) of the tracks, clutter's place density taken out."""
     clutter = as_clutter(field, fit.path)
-    density, _ = density_ratio(field, fit, clutter)
-    levels = (
-        (field.odds(fit.mark, level) * density, _log_missed(field, knots, level))
-        for level in field.shared.detection_level
-    )
-    share = np.array(field.shared.clutter_share)
-    log_mean = log_mean_evidence(levels, fit.mark, share, len(field.scene.paths.marks))
-    total: FloatArray = log_mean + clutter.log_density.sum(axis=1)
-    return total
-
-
-def distinct(found: Answers, field: WindowField) -> Answers:
-    """Keep the best of every group of motions that are the same answer: near at the gauge knot."""
-    model, gauge = field.shared, field.scene.gauge
-    p, heading = found.knots.p[:, gauge], found.knots.heading_rad[:, gauge]
-    left, kept = np.ones(len(found), dtype=bool), []
-    for row in range(len(found)):
-        if left[row]:
-            kept.append(row)
-            turn = np.abs(wrap_pi(heading - heading[row]))
-            left &= ~((np.abs(p - p[row]) <= model.distinct_m) & (turn <= np.radians(2.0 * model.distinct_deg)))
-            left[row] = False
-    return found.take(np.array(kept, dtype=np.int64))
-
-
-def _log_missed(field: WindowField, knots: Knots, level: float) -> FloatArray:
-    """Return sum of ln(1 - Pd_j) (k,) over the marks in radar range of the gauge knot."""
-    scene = field.scene
-    if not field.shared.use_missed:
-        return np.zeros(len(knots))
-    distance_m = np.abs(scene.paths.z[None, :, scene.gauge] - knots.p[:, scene.gauge, None])
-    pd = level * field.flat.detection(distance_m, scene.flat.conspicuity[None, :])
-    missed: FloatArray = np.where(distance_m <= scene.flat.radar_range_m, np.log1p(-pd), 0.0).sum(axis=1)
-    return missed
+    matches = _matches(field, fit, clutter)
+    log_likelihood = log_mean_ratio(field.flat, field.at_gauge(knots), matches) + clutter.log_density.sum(axis=1)
+    evidence = log_likelihood + prior.log_density(knots) - 0.5 * np.linalg.slogdet(information)[1] - log_null
+    found = Answers(knots, information, evidence, marks_matched(field.flat, len(knots), matches))
+    return found.take(np.argsort(-evidence, kind="stable")) if sort else found
 
 
 def matched(field: WindowField, knots: Knots) -> FloatArray:
     """Return how many distinct marks (k,) some track is more likely to be than clutter, at each own motion."""
-    return _matched(field, lay_over(field, knots))
+    fit = lay_over(field, knots)
+    return marks_matched(field.flat, len(knots), _matches(field, fit, as_clutter(field, fit.path)))
 
 
-def _matched(field: WindowField, fit: Fit) -> FloatArray:
-    """Return how many distinct marks (k,) some track is more likely to be than clutter."""
-    motion, track, neighbour = np.nonzero(posterior(field, fit) > 0.5)
-    taken = np.zeros((len(fit.mark), len(field.scene.paths.marks)), dtype=bool)
-    taken[motion, fit.mark[motion, track, neighbour]] = True
-    return np.asarray(taken.sum(axis=1), dtype=np.float64)
+def _matches(field: WindowField, fit: Fit, clutter: Clutter) -> Matches:
+    """Return which track may be which mark, as of one scan: a track is judged by all of its bins at once."""
+    density, _ = density_ratio(field, fit, clutter)
+    seen = field.flat.seen[None, :, None] * field.flat.conspicuity[fit.mark]
+    return Matches.among(field.flat, fit.mark, density, seen, fit.distance_sq)
+
+
+def distinct(found: Answers, field: WindowField) -> Answers:
+    """Keep the best of every group of motions that are the same answer: near at the gauge knot."""
+    poses, model = field.at_gauge(found.knots), field.shared
+    return found.take(firsts(poses.near(poses, model.distinct_m, 2.0 * model.distinct_deg)))
 
 
 def posterior(field: WindowField, fit: Fit) -> FloatArray:
     """Return the responsibilities (k, m, q) of marks within the gate of a track's mean."""
-    square = (fit.misfit[..., 0, :] ** 2 / fit.variance_m2[..., 0, :]).sum(axis=-1)
-    return np.where(square <= GATE, expect(field, fit).on_mark, 0.0)
-
-
-__all__ = ["NOMINAL_LEVEL", "Answers", "distinct", "judge", "log_likelihood", "matched", "posterior"]
+    return np.where(fit.distance_sq <= GATE, expect(field, fit).on_mark, 0.0)

@@ -10,6 +10,8 @@ from scipy.spatial import cKDTree
 
 from navfix.association.em import NOMINAL_LEVEL, Field
 from navfix.association.scene import ComplexArray
+from navfix.association.seeds import Poses
+from navfix.association.window.knots import Knots
 from navfix.association.window.scene import WindowScene
 from navfix.catalog import AssociationModel, WindowModel
 from navfix.types import FloatArray, IntArray
@@ -26,6 +28,10 @@ class WindowField:
         self.flat = Field(scene.flat, shared)
         self.neighbours = min(model.neighbours, len(scene.paths.marks))
         self.has_line = scene.used[:, 1] if scene.knots > 1 else np.zeros(len(scene.bins), dtype=bool)
+
+    def at_gauge(self, knots: Knots) -> Poses:
+        """Return the poses (k,) of own motions at the gauge knot."""
+        return Poses(knots.p[:, self.scene.gauge], knots.heading_rad[:, self.scene.gauge])
 
     @cached_property
     def trees(self) -> list[cKDTree]:

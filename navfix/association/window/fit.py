@@ -37,6 +37,11 @@ class Fit:
     axis: ComplexArray
     barred: BoolArray | None = None
 
+    @property
+    def distance_sq(self) -> FloatArray:
+        """Squared Mahalanobis distance (k, m, q) of the means."""
+        return over_axes(self.misfit[..., MEAN, :] ** 2 / self.variance_m2[..., MEAN, :])
+
 
 def lay_over(field: WindowField, knots: Knots) -> Fit:
     """Place the tracks by k own motions and measure their misfit to the marks nearest at their middle."""

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.association.prior import log_area
+from navfix.association.seeds import Plausible
 from navfix.association.window import em, evidence, null, rigid, scene, votes
 from navfix.association.window.evidence import Answers
 from navfix.association.window.field import WindowField
 from navfix.association.window.knots import Knots, MotionPrior, PosePrior, motion_prior, placed, shape_of
 from navfix.association.window.null import Null
-from navfix.association.window.votes import Plausible
 from navfix.catalog import AssociationModel, RadarModel, WindowModel, association_model, radar_model, window_model
 from navfix.types import Epoch
-from navfix.units import wrap_pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +100,5 @@ def _against_better_null(window: Window, found: Answers) -> Answers:
 
 def _finalists(field: WindowField, knots: Knots, gain: np.ndarray, most: int) -> Knots:
     """Return the best motions, one of each group that is on its way to the same optimum."""
-    order = np.argsort(-gain, kind="stable")
-    p, heading = knots.p[order, field.scene.gauge], knots.heading_rad[order, field.scene.gauge]
-    near = np.abs(p[:, None] - p[None, :]) < 0.5 * field.shared.distinct_m
-    near &= np.abs(wrap_pi(heading[:, None] - heading[None, :])) < np.radians(field.shared.distinct_deg)
-    has_better = np.tril(near, -1).any(axis=1)
-    return knots.take(order[~has_better][:most])
+    shared = field.shared
+    return knots.take(field.at_gauge(knots).leaders(gain, most, 0.5 * shared.distinct_m, shared.distinct_deg))

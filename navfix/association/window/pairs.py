@@ -8,10 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
 
 from navfix.association.em import GATE, NOMINAL_LEVEL, NOMINAL_SHARE
-from navfix.association.pairs import association_marginals
+from navfix.association.pairs import likeliest
 from navfix.association.window.em import density_ratio
 from navfix.association.window.field import WindowField
 from navfix.association.window.fit import Fit, as_clutter, lay_over
@@ -41,17 +40,9 @@ def one_to_one(field: WindowField, knots: Knots) -> Pairs:
     fit = lay_over(field, knots)
     density, _ = density_ratio(field, fit, as_clutter(field, fit.path))
     ratio = (field.odds(fit.mark, NOMINAL_LEVEL) * density)[0]
-    square = (fit.misfit[0, ..., 0, :] ** 2 / fit.variance_m2[0, ..., 0, :]).sum(axis=-1)
-    dense = np.zeros((len(field.scene.bins), len(field.scene.paths.marks)))
-    np.put_along_axis(
-        dense, fit.mark[0], np.where(square <= GATE, np.minimum(ratio / NOMINAL_SHARE, CERTAIN), 0.0), axis=1
-    )
-    marks = np.flatnonzero(dense.any(axis=0))
-    track, column = linear_sum_assignment(np.log1p(dense[:, marks]), maximize=True)
-    chosen = dense[track, marks[column]] > 1.0
-    track, mark = track[chosen], marks[column[chosen]]
-    probability = association_marginals(dense[:, marks])[track, column[chosen]]
-    return Pairs(np.column_stack([track, mark]), probability, _mean_misfit(field, fit, track, mark))
+    against_clutter = np.where(fit.distance_sq[0] <= GATE, np.minimum(ratio / NOMINAL_SHARE, CERTAIN), 0.0)
+    index, probability = likeliest(against_clutter, fit.mark[0], len(field.scene.paths.marks))
+    return Pairs(index, probability, _mean_misfit(field, fit, *index.T))
 
 
 def _mean_misfit(field: WindowField, fit: Fit, track: IntArray, mark: IntArray) -> FloatArray:

@@ -6,20 +6,18 @@ must be that of the two marks. Own velocity cancels in it, so it needs to be kno
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from navfix.association.pair_index import PairIndex
 from navfix.association.scene import ComplexArray, Scene
-from navfix.association.seeds import Poses, RadarPairs, radar_pairs
+from navfix.association.seeds import Plausible, Poses, candidates, radar_pairs
 from navfix.association.window.field import WindowField
 from navfix.association.window.knots import Knots, placed
 from navfix.association.window.null import in_ship_velocity
 from navfix.types import FloatArray, IntArray
 
-Plausible = Callable[[Poses], np.ndarray]
 BUCKET_BITS = 18  # at most: counts of more buckets do not stay in the cache
 BUCKETS_A_CELL = 4  # full buckets that are looked into first, for each cell wanted: some hold several cells
 
@@ -50,7 +48,7 @@ def _votes_at(field: WindowField, shape: Knots, knot: int) -> tuple[ComplexArray
     index = PairIndex.of(flat.z, 2.0 * flat.radar_range_m)
     pairs = radar_pairs(flat, index, field.shared).take(slice(0, model.pairs))
     seen = shape.p[0, knot] + np.exp(1j * shape.heading_rad[0, knot]) * flat.rho  # in the gauge knot's frame
-    pair, entry = _candidates(index, pairs, field)
+    pair, entry = candidates(index, pairs, field.shared.pair_gate_sigma, model.votes_at_most)
     if len(pair) == 0:
         return np.zeros(0, complex), np.zeros(0)
     i, j = pairs.first[pair], pairs.second[pair]
@@ -67,18 +65,6 @@ def _votes_at(field: WindowField, shape: Knots, knot: int) -> tuple[ComplexArray
 def _at_knot(flat: Scene, live: IntArray, rho: ComplexArray, z: ComplexArray) -> Scene:
     kept = flat.keeping(live, np.arange(len(z)))
     return replace(kept, rho=rho, range_m=np.abs(rho), bearing_rad=np.angle(rho), z=z)
-
-
-def _candidates(index: PairIndex, pairs: RadarPairs, field: WindowField) -> tuple[IntArray, IntArray]:
-    """Return which radar pair and which mark pair each candidate joins, at most ``votes_at_most``."""
-    low, high = index.window(pairs.distance_m, field.shared.pair_gate_sigma * pairs.distance_sigma_m)
-    count = high - low
-    count = count[np.cumsum(2 * count) <= field.model.votes_at_most]
-    pair = np.repeat(np.arange(len(count)), count)
-    entry = (
-        np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + np.repeat(low[: len(count)], count)
-    )
-    return pair, entry
 
 
 def _moves_alike(
@@ -100,7 +86,10 @@ def _moves_alike(
 
 
 def _fullest(p: ComplexArray, heading_rad: FloatArray, field: WindowField, shift: float) -> Poses:
-    """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell."""
+    """Return the mean pose of the fullest cells of one grid, shifted by a part of a cell; of equal ones the first.
+
+    One scan hashes its cells, which is quicker, and takes equal ones in another order: hence not the same code.
+    """
     if len(p) == 0:
         return Poses(p, heading_rad)
     headings = round(360.0 / field.shared.cell_deg)
