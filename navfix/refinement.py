@@ -10,14 +10,12 @@ import numpy as np
 
 from navfix.adjustment.window import KnownPose, adjust_window
 from navfix.association.window.associate import WindowAnswer
-from navfix.catalog import RadarModel
+from navfix.catalog import RadarModel, adjustment_model
 from navfix.errors import NoFix
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Kernel
 from navfix.types import Epoch, Fix, Position
 from navfix.units import wrap_180
-
-AGREES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
 
 
 def refined(
@@ -56,7 +54,7 @@ def refined(
         )
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
-    if _misfit_sq(rough, fine) > AGREES:
+    if _misfit_sq(rough, fine) > adjustment_model().agrees_sq:
         return _unrefined(rough, "the adjustment of all scans leads elsewhere")
     unknowns = len(fine.covariance)
     covariance = fine.covariance + found.spread[:unknowns, :unknowns]

@@ -40,7 +40,7 @@ class Field:
         self.neighbours = min(model.neighbours, len(scene.z))
         self.clutter_per_m2 = clutter_density(scene, model)
         self.log_speed_ratio = (
-            log_speed_ratio(scene.target_speed_mps, scene.mark_speed_mps) if model.use_speed else None
+            log_speed_ratio(scene.target_speed_mps, scene.mark_speed_mps, model) if model.use_speed else None
         )
         self.log_pair_ratio = self._log_pair_ratio()
         self.range_m2 = scene.range_sigma_m**2
@@ -81,7 +81,7 @@ class Field:
             np.zeros((len(self.scene.rho), len(self.scene.z))) if self.log_speed_ratio is None else self.log_speed_ratio
         )
         if self.model.use_length and np.isfinite(self.scene.target_length_m).any():
-            told = told + log_length_ratio(self.scene.target_length_m, self.scene.mark_length_m)
+            told = told + log_length_ratio(self.scene.target_length_m, self.scene.mark_length_m, self.model)
         return np.pad(told, ((0, 0), (0, 1))) if told.any() else None
 
     def nearest(self, world: ComplexArray, reach_m: float = np.inf) -> IntArray:

@@ -10,14 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from navfix.association.speeds import ratio_to_the_picture
+from navfix.catalog import AssociationModel, association_model
 from navfix.types import FloatArray
 
-_MEDIAN = -0.3  # of ln(echo / ship): ships lie at all angles to the beam
-_SHARES = np.array([0.55, 0.4, 0.05])
-_SIGMAS = np.array([0.25, 0.7, 1.5])  # about it: seen well; end on or smeared; nonsense
 
-
-def log_length_ratio(target_m: FloatArray, mark_m: FloatArray) -> FloatArray:
+def log_length_ratio(target_m: FloatArray, mark_m: FloatArray, model: AssociationModel | str = "seeded") -> FloatArray:
     """Return ln [f(length of echo i | mark j) / f(length of echo i)] (m, n): eq. (6.13) of the theory.
 
     Parameters
@@ -25,4 +22,5 @@ def log_length_ratio(target_m: FloatArray, mark_m: FloatArray) -> FloatArray:
     target_m, mark_m : lengths (m,) and (n,), NaN where unknown: such pairs get 0
     """
     target, mark = (np.log(np.where(length_m > 0.0, length_m, np.nan)) for length_m in (target_m, mark_m))
-    return ratio_to_the_picture(target - _MEDIAN, mark, _SHARES, _SIGMAS)
+    m = association_model(model)
+    return ratio_to_the_picture(target + m.length_shortening, mark, m.length_shares, m.length_sigmas, m.most_told)

@@ -7,30 +7,34 @@ whichever is larger. Only the amount is used: a course is as good as the compass
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from navfix.catalog import AssociationModel, association_model
 from navfix.types import FloatArray
 
-_SHARES = np.array([0.5, 0.45, 0.05])
-_SIGMAS_MPS = np.array([0.6, 2.0, 6.0])  # settled tracks; current, manoeuvres and young tracks; nonsense
-_LARGEST_GAIN = 3.0
 
-
-def log_speed_ratio(target_mps: FloatArray, mark_mps: FloatArray) -> FloatArray:
+def log_speed_ratio(
+    target_mps: FloatArray, mark_mps: FloatArray, model: AssociationModel | str = "seeded"
+) -> FloatArray:
     """Return ln [f(speed of target i | mark j) / f(speed of target i)] (m, n): eq. (6.11) of the theory.
 
     Parameters
     ----------
     target_mps, mark_mps : speeds over ground (m,) and (n,), NaN where unknown: such pairs get 0
     """
-    return ratio_to_the_picture(target_mps, mark_mps, _SHARES, _SIGMAS_MPS)
+    m = association_model(model)
+    return ratio_to_the_picture(target_mps, mark_mps, m.speed_shares, m.speed_sigmas_mps, m.most_told)
 
 
-def ratio_to_the_picture(target: FloatArray, mark: FloatArray, shares: FloatArray, sigmas: FloatArray) -> FloatArray:
+def ratio_to_the_picture(
+    target: FloatArray, mark: FloatArray, shares: Sequence[float], sigmas: Sequence[float], most: float
+) -> FloatArray:
     """Return ln of the density of target - mark over that of the value among all marks or targets (m, n), 0 for NaN.
 
     The difference is a mixture of normal distributions about zero, with heavy tails so that no pair is impossible; of
-    the densities among the marks and among the other targets the larger counts.
+    the densities among the marks and among the other targets the larger counts. No pair gains more than ``most`` nats.
     """
     ratio = np.zeros((len(target), len(mark)))
     told, known = np.isfinite(target), np.isfinite(mark)
@@ -40,12 +44,12 @@ def ratio_to_the_picture(target: FloatArray, mark: FloatArray, shares: FloatArra
     among_targets = _density(target[told][:, None] - target[told][None, :], shares, sigmas)
     np.fill_diagonal(among_targets, 0.0)
     common = np.maximum(among_marks.mean(axis=1), among_targets.sum(axis=1) / (told.sum() - 1))
-    gain = np.minimum(np.log(among_marks) - np.log(common)[:, None], _LARGEST_GAIN)
+    gain = np.minimum(np.log(among_marks) - np.log(common)[:, None], most)
     ratio[np.ix_(told, known)] = gain
     return ratio
 
 
-def _density(difference: FloatArray, shares: FloatArray, sigmas: FloatArray) -> FloatArray:
-    scaled = difference[..., None] / sigmas
-    density: FloatArray = (shares / (np.sqrt(2.0 * np.pi) * sigmas) * np.exp(-0.5 * scaled**2)).sum(axis=-1)
+def _density(difference: FloatArray, shares: Sequence[float], sigmas: Sequence[float]) -> FloatArray:
+    scaled, height = difference[..., None] / np.array(sigmas), np.array(shares) / np.array(sigmas)
+    density: FloatArray = (height / np.sqrt(2.0 * np.pi) * np.exp(-0.5 * scaled**2)).sum(axis=-1)
     return density

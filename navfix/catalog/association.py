@@ -37,6 +37,12 @@ class AssociationModel:
     use_length: bool
     use_missed: bool
     use_local_clutter: bool
+    speed_shares: list[float]
+    speed_sigmas_mps: list[float]
+    length_shortening: float
+    length_shares: list[float]
+    length_sigmas: list[float]
+    most_told: float
     far_detection: float
     conspicuity_long: float
     conspicuity_unknown: float

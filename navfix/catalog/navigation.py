@@ -23,6 +23,7 @@ class NavigatorModel:
     bank_every_s: float
     birth_windows_s: list[float]
     places: int
+    least_detection: float
     births: int
     birth_deficit: float
     merge_m: float
@@ -78,13 +79,15 @@ class NavigatorModel:
 class OwnMotionModel:
     """How own ship moves between fixes, 1 sigma where they are sigmas, and how a log is cut for smoothing.
 
-    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current
-    by ``current_walk_mps`` within ``current_walk_s`` where one does. A window tells its velocity to
-    ``window_velocity_mps``. A log is ``log_share`` of its speed off all the time, the way through the water
-    ``leeway_deg`` off the heading of a fix (alignment of the radar, leeway). ``steady_share`` of a fix's variance is
-    the same in successive fixes, the rest is forgotten with ``memory_s``. Dead reckoning ends after ``longest_s``. A
-    log is smoothed in chunks of ``chunk_s`` without their outer ``margin_s``; a place farther than
-    ``longest_bridge_s`` from every fix is not given.
+    Velocity over ground wanders by ``velocity_walk_mps`` within ``velocity_walk_s`` where no log tells, the current by
+    ``current_walk_mps`` within ``current_walk_s`` where one does. A window tells its velocity to
+    ``window_velocity_mps``; a log that is found or lost tells that through the water to ``log_velocity_share`` of it.
+    A log is ``log_share`` of its speed off all the time, the way through the water ``leeway_deg`` off the heading of a
+    fix (alignment of the radar, leeway). ``steady_share`` of a fix's variance is the same in successive fixes, the
+    rest is forgotten with ``memory_s``; one ``contradicts_sq`` away, as a squared distance in sigmas, is not taken.
+    Fixes are one voyage where the fastest ship, with ``chain_sigma`` of both and ``chain_m``, gets from one to the
+    next. Dead reckoning ends after ``longest_s``. A log is smoothed in chunks of ``chunk_s`` without their outer
+    ``margin_s``; a place farther than ``longest_bridge_s`` from every fix is not given.
     """
 
     name: str
@@ -98,14 +101,18 @@ class OwnMotionModel:
     unknown_current_mps: float
     window_velocity_mps: float
     log_share: float
+    log_velocity_share: float
     leeway_deg: float
     steady_share: float
     memory_s: float
+    contradicts_sq: float
     heading_walk_deg: float
     heading_walk_s: float
     gyro_drift_deg_per_h: float
     longest_s: float
     fastest_mps: float
+    chain_sigma: float
+    chain_m: float
     chunk_s: float
     margin_s: float
     longest_bridge_s: float
@@ -133,6 +140,7 @@ class RadarErrorsModel:
     largest_s: float
     largest_m: float
     clock_slew: float
+    own_speed_mps: float
 
 
 def navigator_model(name: str | NavigatorModel = "default") -> NavigatorModel:

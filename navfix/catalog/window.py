@@ -19,6 +19,9 @@ class WindowModel:
     jump_m: float
     number_mps: float
     number_m: float
+    silence_s: float
+    silent_turns: float
+    yaw_kept_s: float
     fewest_reports: int
     acceleration_mps2: float
     heading_walk_deg: float
@@ -48,12 +51,21 @@ class WindowModel:
     neighbours: int
     annealing_rigid: list[float]
     annealing: list[float]
+    null_starts: int
+    null_finalists: int
+    null_rounds: int
+    matched_posterior: float
+    leverage_sq: float
+    most_barred: int
+    left_out_rounds: int
+    left_out_most_m: float
     least_evidence: float
     enough_marks: int
     least_evidence_few: float
     fewest_marks: int
     least_margin: float
     least_probability_wrong: float
+    accident_nats: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +77,8 @@ class AdjustmentModel:
     wander within ``walk_time_s`` where no log and no gyro tells. A pause of more than ``split_gap_s`` ends a track,
     one of more than ``longest_step_s`` the connection of two epochs. Variance components count ``prior_dof`` degrees
     of freedom at what is expected and stay between the smallest and the largest. A mark whose constant error keeps
-    less than ``least_static_weight`` is left out.
+    less than ``least_static_weight`` is left out. The adjusted fix stands within ``agrees_sq`` of the association's,
+    as a squared distance in its sigmas.
     """
 
     name: str
@@ -89,6 +102,7 @@ class AdjustmentModel:
     smallest_component: float
     largest_component: float
     least_static_weight: float
+    agrees_sq: float
 
 
 def window_model(name: str | WindowModel = "joint") -> WindowModel:

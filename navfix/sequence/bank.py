@@ -213,7 +213,8 @@ class Bank:
             log_ratio[row[life], column[mark]] = mean.value
         if not len(row) or not len(marks):
             return -math.inf, 0
-        pd = np.clip([h.detection[m].value if m in h.detection else 0.02 for m in marks], 0.02, 1.0)
+        least = self._model.least_detection
+        pd = np.clip([h.detection[m].value if m in h.detection else least for m in marks], least, 1.0)
         levels = []
         for level in self._shared.detection_level:
             odds = level * pd / (1.0 - level * pd)

@@ -6,18 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from navfix.catalog import OwnMotionModel
 from navfix.geodesy import cloud_to_plane
 from navfix.types import Fix, FloatArray, Position
 
-_SIGMAS = 4.0
-_SLACK_M = 50.0
 
-
-def consistent(fixes: Sequence[Fix | None], time_s: FloatArray, fastest_mps: float) -> list[int]:
+def consistent(fixes: Sequence[Fix | None], time_s: FloatArray, motion: OwnMotionModel) -> list[int]:
     """Return the indices of the fixes of the longest chain in which each can be reached from the one before.
 
-    Two fixes are joined when they lie no farther apart than the fastest ship goes in the time between them, with four
-    sigma of both. A chain counts its pairs, so that a few full scans outweigh many with two pairs.
+    Two fixes are joined when they lie no farther apart than the fastest ship goes in the time between them, with some
+    sigmas of both and a slack. A chain counts its pairs, so that a few full scans outweigh many with two pairs.
     """
     index = [i for i, fix in enumerate(fixes) if fix is not None and isinstance(fix.position, Position)]
     if not index:
@@ -33,7 +31,7 @@ def consistent(fixes: Sequence[Fix | None], time_s: FloatArray, fastest_mps: flo
     for i in range(1, len(index)):
         apart_m = np.hypot(*(plane[:i] - plane[i]).T)
         elapsed_s = time_s[index[i]] - time_s[np.array(index[:i])]
-        reach_m = fastest_mps * elapsed_s + _SIGMAS * np.hypot(sigma[:i], sigma[i]) + _SLACK_M
+        reach_m = motion.fastest_mps * elapsed_s + motion.chain_sigma * np.hypot(sigma[:i], sigma[i]) + motion.chain_m
         reachable = apart_m <= reach_m
         if np.any(reachable):
             value = np.where(reachable, best[:i], -np.inf)

@@ -10,14 +10,14 @@ import math
 from dataclasses import replace
 from datetime import timedelta
 
+from navfix.catalog import RadarErrorsModel, radar_errors_model
 from navfix.geodesy import direct
 from navfix.types import AdjustedObservation, Epoch, GnssReport, Mark
 
 STILL_MPS = 0.5
-OWN_SPEED_MPS = 8.0  # 1 sigma where no log tells it
 
 
-def with_offset(epoch: Epoch, offset_s: float) -> Epoch:
+def with_offset(epoch: Epoch, offset_s: float, model: RadarErrorsModel | str = "default") -> Epoch:
     """Return an epoch whose marks stand where they were when its echoes were really seen: ``offset_s`` earlier.
 
     Its time is the earlier one. The GNSS position stays and is less sure by what own ship makes in the offset.
@@ -25,7 +25,8 @@ def with_offset(epoch: Epoch, offset_s: float) -> Epoch:
     if offset_s == 0.0:
         return epoch
     time_utc = None if epoch.time_utc is None else epoch.time_utc - timedelta(seconds=offset_s)
-    own_mps = OWN_SPEED_MPS if epoch.speed_hint is None else abs(epoch.speed_hint.speed_mps)
+    unknown_mps = radar_errors_model(model).own_speed_mps
+    own_mps = unknown_mps if epoch.speed_hint is None else abs(epoch.speed_hint.speed_mps)
     gnss = None if epoch.gnss is None else _less_sure(epoch.gnss, own_mps * offset_s)
     return replace(epoch, marks=tuple(_earlier(m, offset_s) for m in epoch.marks), time_utc=time_utc, gnss=gnss)
 

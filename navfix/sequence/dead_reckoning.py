@@ -83,7 +83,7 @@ class DeadReckoner:
             if after is None:
                 self._track = begun(epoch, at, fix, self._motion, velocity_mps)
             else:
-                self._track = log_found(after, epoch)
+                self._track = log_found(after, epoch, self._motion)
         self._doubted = False
 
     def _answer(self, track: Reckoned) -> DeadReckoning | None:

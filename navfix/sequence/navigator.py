@@ -156,7 +156,7 @@ class Navigator:
 
     def _prepare(self, now_s: float, length_s: float) -> Window | None:
         """Make the window of the last ``length_s`` seconds ready, None where it holds too little."""
-        epochs = since_silence([epoch for epoch in self._epochs if epoch_time(epoch) > now_s - length_s])
+        epochs = since_silence([e for e in self._epochs if epoch_time(e) > now_s - length_s], self._window)
         if not epochs:
             return None
         try:

@@ -69,7 +69,7 @@ class RadarErrorsOverTime:
         if not self._windows:
             self._offset_s = self._slewed(epoch, _to_apply(found.clock, self._model.largest_s))
             self._doubts = _doubt(found.clock, self._offset_s), _doubt(found.ranges, self._bias_m)
-        return range_bias.with_bias(clock.with_offset(epoch, self._offset_s), self._bias_m)
+        return range_bias.with_bias(clock.with_offset(epoch, self._offset_s, self._model), self._bias_m)
 
     def feed(self, fix: Fix | None) -> None:
         """Take the fix of the epoch that was corrected last, if there is one."""

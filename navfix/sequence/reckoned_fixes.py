@@ -11,7 +11,6 @@ from navfix.catalog import OwnMotionModel
 from navfix.sequence.reckoned import Reckoned, centred, heading_of, stated_of
 from navfix.types import Epoch, Fix, Position
 
-_CONTRADICTS = 30.0  # squared innovation in units of its covariance: not the same track, or a wrong fix
 _FLOOR_M2 = 1e-4
 
 
@@ -25,7 +24,7 @@ def updated(track: Reckoned, epoch: Epoch, fix: Fix, at: datetime, motion: OwnMo
     noise = (1.0 - motion.steady_share) * whole * memory + _FLOOR_M2 * np.eye(2)
     innovation = measured - track.state[:2]
     expected = track.covariance[:2, :2] + track.steady + whole
-    if float(innovation @ np.linalg.solve(expected, innovation)) > _CONTRADICTS:
+    if float(innovation @ np.linalg.solve(expected, innovation)) > motion.contradicts_sq:
         return None
     gain = track.covariance[:, :2] @ np.linalg.inv(track.covariance[:2, :2] + noise)
     reduce = np.eye(len(track.state))

@@ -84,11 +84,11 @@ def _log_lost(track: Reckoned, motion: OwnMotionModel) -> Reckoned:
     heading_rad = math.radians(track.heading_deg)
     state, covariance = track.state.copy(), track.covariance.copy()
     state[2:4] += track.log_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
-    covariance[2:4, 2:4] += (track.log_sigma_mps**2 + (0.05 * track.log_mps) ** 2) * np.eye(2)
+    covariance[2:4, 2:4] += _log_m2s2(track.log_mps, track.log_sigma_mps, motion) * np.eye(2)
     return replace(track, by_log=False, state=state, covariance=covariance, log_mps=None)
 
 
-def log_found(track: Reckoned, epoch: Epoch) -> Reckoned:
+def log_found(track: Reckoned, epoch: Epoch, motion: OwnMotionModel) -> Reckoned:
     """Return the track with the log that is heard from now on: what is left of its velocity is the current."""
     log = epoch.speed_hint
     if track.by_log or log is None or track.heading_deg is None:
@@ -96,10 +96,15 @@ def log_found(track: Reckoned, epoch: Epoch) -> Reckoned:
     heading_rad = math.radians(track.heading_deg)
     state, covariance = track.state.copy(), track.covariance.copy()
     state[2:4] -= log.speed_mps * np.array([math.cos(heading_rad), math.sin(heading_rad)])
-    covariance[2:4, 2:4] += (log.sigma_mps**2 + (0.05 * log.speed_mps) ** 2) * np.eye(2)
+    covariance[2:4, 2:4] += _log_m2s2(log.speed_mps, log.sigma_mps, motion) * np.eye(2)
     return replace(
         track, by_log=True, state=state, covariance=covariance, log_mps=log.speed_mps, log_sigma_mps=log.sigma_mps
     )
+
+
+def _log_m2s2(log_mps: float, sigma_mps: float, motion: OwnMotionModel) -> float:
+    """Return the variance of each component of the velocity through the water that log and heading tell [m^2/s^2]."""
+    return sigma_mps**2 + (motion.log_velocity_share * log_mps) ** 2
 
 
 def _through_water(log_mps: tuple[float, float], heading_deg: float, turned_deg: float, step_s: float) -> FloatArray:

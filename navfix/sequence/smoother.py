@@ -112,7 +112,7 @@ def _smoothed(
 ) -> Iterator[tuple[int, Fix]]:
     """Yield (epoch, its fix) of one chunk; nothing where it cannot be solved."""
     inside = [fixes[i] for i in part]
-    chain = consistent(inside, time_s[part.start : part.stop], motion.fastest_mps)
+    chain = consistent(inside, time_s[part.start : part.stop], motion)
     given = sum(fix is not None for fix in inside)
     if not chain or len(chain) <= _MAJORITY * given:
         return

@@ -6,13 +6,10 @@ import math
 from bisect import bisect_right
 from collections import deque
 
-from navfix.association.window.tracks import SILENCE_S, epoch_time
+from navfix.association.window.tracks import epoch_time
 from navfix.association.window.yaw import Report, turn_between
 from navfix.catalog import WindowModel, window_model
 from navfix.types import Epoch
-
-_KEPT_S = 900.0
-_BRIDGED_S = SILENCE_S  # over a longer time without a scan the bearings change by the way too, not by the turn alone
 
 
 class YawLog:
@@ -34,7 +31,7 @@ class YawLog:
         """Take the next epoch in: what its relative bearings changed by together, eq. (6.17)."""
         now_s = epoch_time(epoch)
         scan: dict[str, Report] = {t.label: (now_s, t) for t in epoch.targets if t.bearing_reference == "relative"}
-        bridged = now_s - self._scan_s <= _BRIDGED_S
+        bridged = now_s - self._scan_s <= self._model.silence_s  # else the bearings change by the way too
         turned_deg = math.degrees(turn_between(self._scan, scan, self._model)) if bridged else 0.0
         if scan and not bridged:
             self._unseen.append((self._scan_s, now_s))
@@ -42,15 +39,15 @@ class YawLog:
             self._scan, self._scan_s = scan, now_s
         self._time_s.append(now_s)
         self._turned_deg.append((self._turned_deg[-1] if self._turned_deg else 0.0) + turned_deg)
-        while now_s - self._time_s[0] > _KEPT_S:
+        while now_s - self._time_s[0] > self._model.yaw_kept_s:
             self._time_s.popleft()
             self._turned_deg.popleft()
-        while self._unseen and now_s - self._unseen[0][1] > _KEPT_S:
+        while self._unseen and now_s - self._unseen[0][1] > self._model.yaw_kept_s:
             self._unseen.popleft()
 
     def watched(self, from_s: float, to_s: float) -> bool:
         """Tell whether relative bearings showed the turn all the time between two instants."""
-        last_seen = to_s - self._scan_s <= _BRIDGED_S
+        last_seen = to_s - self._scan_s <= self._model.silence_s
         return last_seen and not any(begin_s < to_s and end_s > from_s for begin_s, end_s in self._unseen)
 
     def missed(self, from_s: float, to_s: float) -> bool:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from navfix.adjustment import adjust
+from navfix.catalog import own_motion_model
 from navfix.errors import InputError
 from navfix.geodesy import LocalPlane
 from navfix.report.answer import Answer
@@ -69,7 +70,7 @@ def test_a_wrong_fix_far_away_is_left_out(sailed: Passage, alone: tuple[Fix, ...
     wrong = replace(alone[15], position=far, association=Association.from_pairs(epoch, list(crossed.items())))
     given = [*alone[:15], wrong, *alone[16:]]
     time_s = np.array([e.time_utc.timestamp() for e in sailed.epochs if e.time_utc])
-    assert consistent(given, time_s, 25.0) == [i for i in range(40) if i != 15]
+    assert consistent(given, time_s, own_motion_model()) == [i for i in range(40) if i != 15]
     assert errors_of(sailed, smooth(sailed.epochs, given)).max() < 1.5 * errors_of(sailed, alone).max()
 
 

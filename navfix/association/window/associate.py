@@ -180,10 +180,9 @@ def association(found: Joint, pose: PoseAtEnd, matched: Pairs) -> Association:
 
 def probability_wrong(evidence: float, ahead: float, model: WindowModel, shared: AssociationModel) -> float:
     """Return the probability that an accepted window is wrong, never below what the negative controls support."""
-    rival = ambiguity.probability_of_rival(ahead, shared)
-    return min(
-        1.0, max(model.least_probability_wrong, rival + model.least_probability_wrong * math.exp(-evidence / 3.0))
-    )
+    accident = model.least_probability_wrong * math.exp(-evidence / model.accident_nats)
+    total = ambiguity.probability_of_rival(ahead, shared) + accident
+    return min(1.0, max(model.least_probability_wrong, total))
 
 
 def _newest_pairs(window: Window, matched: Pairs) -> tuple[np.ndarray, np.ndarray]:

@@ -17,9 +17,6 @@ from navfix.association.window.fit import lay_over
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray
 
-ROUNDS = 2
-MOST_M = 500.0  # a track without which the place jumps farther was the only one on its side: judged by the evidence
-
 
 @dataclass(frozen=True, eq=False)
 class PoseAtEnd:
@@ -41,14 +38,16 @@ def spread(field: WindowField, left: Knots) -> FloatArray:
     if len(shift) < 2:
         return np.zeros((3, 3))
     away = np.hypot(*(shift[:, :2] - np.median(shift[:, :2], axis=0)).T)
-    shift = shift[away <= MOST_M] - shift[away <= MOST_M].mean(axis=0)
+    near = away <= field.model.left_out_most_m
+    shift = shift[near] - shift[near].mean(axis=0)
     n = len(shift)
     return (n - 1.0) / n * shift.T @ shift if n > 1 else np.zeros((3, 3))
 
 
 def left_out(field: WindowField, knots: Knots, prior: MotionPrior) -> Knots:
     """Take one matched track after the other for clutter (n of them) and let the rest move one own motion."""
-    matched = np.flatnonzero(posterior(field, lay_over(field, knots))[0].max(axis=1, initial=0.0) > 0.2)
+    likeliest = posterior(field, lay_over(field, knots))[0].max(axis=1, initial=0.0)
+    matched = np.flatnonzero(likeliest > field.model.matched_posterior)
     before = np.zeros((1, len(field.scene.bins)), dtype=bool) if knots.barred is None else knots.barred
     barred = np.repeat(before, len(matched), axis=0)
     barred[np.arange(len(matched)), matched] = True
@@ -60,7 +59,7 @@ def left_out(field: WindowField, knots: Knots, prior: MotionPrior) -> Knots:
 def refit(field: WindowField, knots: Knots, prior: MotionPrior) -> tuple[Knots, FloatArray]:
     """Let own motions settle where the tracks that are not barred have them; return them and their information."""
     knots, information = knot_step(field, knots, 1.0, prior)
-    for _ in range(ROUNDS - 1):
+    for _ in range(field.model.left_out_rounds - 1):
         knots, information = knot_step(field, knots, 1.0, prior)
     return knots, information
 

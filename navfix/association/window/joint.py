@@ -93,7 +93,8 @@ def solve(window: Window, knots: Knots) -> Joint:
 def _against_better_null(window: Window, found: Answers) -> Answers:
     """Fit the null from the winner's own motion too: it must not be worse for want of a start."""
     field = window.field
-    again = null.fit_from(field, window.prior, shape_of(found.knots.take(np.arange(1)), field.scene.gauge))
+    winner = shape_of(found.knots.take(np.arange(1)), field.scene.gauge)
+    again = null.fit_from(field, window.prior, winner, field.model.null_rounds)
     gained = max(0.0, again.log_evidence - window.null.log_evidence)
     return Answers(found.knots, found.information, found.evidence - gained, found.marks)
 

@@ -17,9 +17,6 @@ from navfix.association.window.knots import Knots, MotionPrior
 from navfix.association.window.normal import clutter_equations
 from navfix.types import FloatArray
 
-ROUNDS = 8
-STARTS, FINALISTS = 10, 4
-
 
 @dataclass(frozen=True, eq=False)
 class Null:
@@ -34,11 +31,13 @@ def fit_null(field: WindowField, prior: MotionPrior) -> Null:
     if field.scene.knots == 1:
         zero = Knots(np.zeros((1, 1), complex), np.zeros((1, 1)), np.zeros(1))
         return Null(zero, float(as_clutter(field, paths_over_ground(field, zero)[0]).log_density.sum()))
-    knots, log_density = _descended(field, prior, _starts(field), ROUNDS // 2)
-    return fit_from(field, prior, knots.take(np.argsort(-log_density, kind="stable")[:FINALISTS]), ROUNDS // 2)
+    model = field.model
+    half = model.null_rounds // 2
+    knots, log_density = _descended(field, prior, _starts(field), half)
+    return fit_from(field, prior, knots.take(np.argsort(-log_density, kind="stable")[: model.null_finalists]), half)
 
 
-def fit_from(field: WindowField, prior: MotionPrior, knots: Knots, rounds: int = ROUNDS) -> Null:
+def fit_from(field: WindowField, prior: MotionPrior, knots: Knots, rounds: int) -> Null:
     """Fit own motion to the tracks as clutter from each of k motions; return the best."""
     knots, _ = _descended(field, prior, knots, rounds)
     keep = prior.shape_rows()
@@ -71,7 +70,7 @@ def _starts(field: WindowField) -> Knots:
         np.zeros(len(candidates)),
     )
     score = as_clutter(field, paths_over_ground(field, knots)[0]).log_density.sum(axis=1)
-    best = np.argsort(-score, kind="stable")[:STARTS]
+    best = np.argsort(-score, kind="stable")[: field.model.null_starts]
     return Knots.join(rest, knots.take(best))
 
 

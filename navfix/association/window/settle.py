@@ -21,9 +21,6 @@ from navfix.association.window.joint import Joint, Window
 from navfix.association.window.knots import Knots, MotionPrior
 from navfix.types import FloatArray, IntArray
 
-MOST_BARRED = 3
-LEVERAGE_SQ = 0.25  # squared sigmas: a track that moves the pose less decides nothing
-
 
 @dataclass(frozen=True, eq=False)
 class Settled:
@@ -40,7 +37,7 @@ def settle(found: Joint, prior: MotionPrior, *, fewest_marks: int) -> Settled:
     knots, information = found.answers.knots.take(np.array([0])), found.answers.information[:1]
     left = jackknife.left_out(field, knots, prior)
     refused: list[tuple[FloatArray, float]] = []  # pose with a pair that was taken back, and the probability of that
-    for _ in range(MOST_BARRED):
+    for _ in range(field.model.most_barred):
         judged, ahead = _against_clutter(window, knots, information, left, prior)
         if ahead <= 0.0 or judged.marks[0] < fewest_marks:
             break
@@ -72,4 +69,4 @@ def _with_leverage(window: Window, knots: Knots, information: FloatArray, left: 
     step = jackknife.end_vector(window.field, left) - jackknife.end_vector(window.field, knots)
     formal = jackknife.formal_at_end(window.field, information)[0]
     square = (step * np.linalg.solve(formal, step.T).T).sum(axis=1)
-    return np.flatnonzero(square > LEVERAGE_SQ)
+    return np.flatnonzero(square > window.field.model.leverage_sq)

@@ -13,11 +13,8 @@ import numpy as np
 
 from navfix.association.scene import ComplexArray
 from navfix.association.window.yaw import Report, Yaw, common_yaw
-from navfix.catalog import WindowModel
+from navfix.catalog import WindowModel, window_model
 from navfix.types import Epoch, FloatArray, RadarTarget
-
-SILENCE_S = 15.0  # from so long a time without echoes on, own motion is not one over it
-_SILENT_TURNS = 4.0  # ... where it is as many times the time between scans: scans may be wanted that far apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,17 +63,18 @@ def epoch_time(epoch: Epoch) -> float:
     return 0.0 if epoch.time_utc is None else epoch.time_utc.timestamp()
 
 
-def since_silence(epochs: Sequence[Epoch]) -> tuple[Epoch, ...]:
+def since_silence(epochs: Sequence[Epoch], model: WindowModel | str = "joint") -> tuple[Epoch, ...]:
     """Return the newest epochs of a window, from its last long silence of radar on; all of them where there is none.
 
     In a silence own ship may turn and change speed unseen: what came before and what came after are then no one motion,
     and the many scans of before would decide where she is after it.
     """
+    constants = window_model(model)
     seen = [k for k, epoch in enumerate(epochs) if epoch.targets]
     apart_s = np.diff([epoch_time(epochs[k]) for k in seen])
     if not len(apart_s):
         return tuple(epochs)
-    silent = np.flatnonzero(apart_s > max(SILENCE_S, _SILENT_TURNS * float(np.median(apart_s))))
+    silent = np.flatnonzero(apart_s > max(constants.silence_s, constants.silent_turns * float(np.median(apart_s))))
     return tuple(epochs[seen[int(silent[-1]) + 1] :]) if len(silent) else tuple(epochs)
 
 
