@@ -11,7 +11,7 @@ from functools import cache, partial
 from navfix.adjustment import graph, mean_fix
 from navfix.adjustment.visible_side import adjust_visible_side
 from navfix.association import associate
-from navfix.association.window.associate import solve_window
+from navfix.association.window.associate import solve_jointly
 from navfix.association.window.tracks import since_silence
 from navfix.catalog import AssociationModel, CpdModel, RadarModel, association_method
 from navfix.errors import InputError, NoFix
@@ -71,7 +71,7 @@ def _fix_of_window(
     if isinstance(shared, CpdModel):
         raise InputError("a window of epochs is associated jointly: method cpd does not apply to it")
     epochs = since_silence(epochs)
-    found = solve_window(epochs, shared=shared, radar=radar)
+    found = solve_jointly(epochs, shared=shared, radar=radar)
     return with_window_integrity(refined(epochs, found, radar=radar, kernel=kernel)), found.association
 
 

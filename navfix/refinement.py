@@ -36,7 +36,7 @@ def refined(
     Parameters
     ----------
     epochs : the window that was associated
-    found : what `navfix.association.window.associate.solve_window` said of it
+    found : what `navfix.association.window.associate.solve_jointly` said of it
     radar, kernel : as for `navfix.fix`
     prior : pose at the first epoch that the association knew too, from data older than the window
 

@@ -31,7 +31,7 @@ def run(args: argparse.Namespace) -> int:
         answer = solving.solve(solving.one_epoch(log, args, charted), args, track)
     else:
         _refuse_with_window(args)
-        answer = solving.solve_window(solving.window_epochs(log, args, charted), args, track)
+        answer = solving.solve_scans(solving.window_epochs(log, args, charted), args, track)
     print(render(answer, ".json" if args.json else ".txt").rstrip("\n"))
     solving.write(answer, args)
     if answer.error is not None:

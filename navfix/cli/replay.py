@@ -63,6 +63,7 @@ def add_parser(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) 
 def run(args: argparse.Namespace) -> int:
     """Solve scan by scan; a line as soon as it is known (with --smooth at the end)."""
     from navfix.integrity import AisVeracity
+    from navfix.report import words
     from navfix.report.error_summary import ErrorSummary
     from navfix.report.writers import render
 
@@ -93,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
         raise CommandError(f"{args.log}: no fix: no complete radar scan", NO_FIX)
     outputs.write_outputs(args.out, {".json": lambda: "\n".join(lines) + "\n"})
     truths = "" if track is None else f", {off.words()}"
-    print(f"navfix: {fixes} fixes in {scans} scans{truths}", file=sys.stderr)
+    print(f"navfix: {words.plural(fixes, 'fix')} in {words.plural(scans, 'scan')}{truths}", file=sys.stderr)
     if errors is not None and fixes:
         _tell_radar_errors(errors, windows=_in_windows(args))
     if args.veracity is not None:
@@ -146,7 +147,7 @@ def _solved(
         if navigator is not None:
             answer = solving.finish(navigated(navigator, seen), args, track)
         elif args.window is not None:
-            answer = solving.solve_window(tuple(kept), args, track)
+            answer = solving.solve_scans(tuple(kept), args, track)
         else:
             answer = solving.solve(seen, args, track)
         yield answer if errors is None else _with_radar_errors(answer, errors, args, track)

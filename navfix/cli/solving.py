@@ -80,7 +80,7 @@ def solve(epoch: Epoch, args: argparse.Namespace, track: TruthTrack | None) -> A
     return finish(answer, args, track)
 
 
-def solve_window(epochs: Sequence[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Answer:
+def solve_scans(epochs: Sequence[Epoch], args: argparse.Namespace, track: TruthTrack | None) -> Answer:
     """Solve a window of epochs together with the options of the command, and set the truth beside it."""
     from navfix import pipeline
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from navfix.report import words
 from navfix.report.numbers import plain
 from navfix.types import CommonError, RadarErrors
 
@@ -42,7 +43,7 @@ def _to_dict(error: CommonError, unit: str) -> dict[str, Any]:
 
 
 def _words(name: str, unit: str, error: CommonError, left: str | None) -> str:
-    stands = f"{error.marks:.1f} marks in {error.fixes} fixes"
+    stands = f"{error.marks:.1f} marks in {words.plural(error.fixes, 'fix')}"
     if not error.observable:
         return f"{name}: not observable ({error.reason}; {stands})"
     found = f"{name}: {error.value:+.1f} {unit}, sigma {error.sigma:.1f} {unit} ({stands})"

@@ -102,5 +102,5 @@ def utc(time_utc: datetime | None) -> str:
 
 
 def plural(count: int, word: str) -> str:
-    """Return "1 target", "2 targets"."""
-    return f"{count} {word}" if count == 1 else f"{count} {word}s"
+    """Return "1 target", "2 targets", "2 fixes"."""
+    return f"{count} {word}" if count == 1 else f"{count} {word}{'es' if word.endswith('x') else 's'}"

@@ -107,7 +107,7 @@ def cold(run: scenes.Run, length_s: float, step_s: float, model: WindowModel, sh
     for window in cut(run.epochs(), length_s, step_s):
         began_s, fix = time.process_time(), None
         with contextlib.suppress(NoFix):
-            fix = refined(window, associate.solve_window(window, model=model, shared=shared))
+            fix = refined(window, associate.solve_jointly(window, model=model, shared=shared))
         tally.cpu_s += time.process_time() - began_s
         tally.take(fix, window[-1], run.truth)
     return tally

@@ -11,7 +11,7 @@ from navfix.report import Answer
 from navfix.report.rows import pair_rows
 from navfix.report.tables import number
 from navfix.report.text import outlier_words, report_text
-from navfix.report.words import degrees_minutes, odds
+from navfix.report.words import degrees_minutes, odds, plural
 from navfix.types import GnssVerdict, Position
 from tests.factories import OSLO, every_fix, every_no_fix, make_answer, make_fix, make_no_fix, make_plane_fix
 
@@ -144,3 +144,8 @@ def test_an_answer_is_a_fix_or_an_error() -> None:
         Answer(epoch=None)
     with pytest.raises(InputError, match="exactly one"):
         Answer(epoch=None, fix=make_fix(), error=TooFewPairs("none", observations=0, unknowns=3))
+
+
+def test_one_is_not_many() -> None:
+    assert [plural(count, "fix") for count in range(3)] == ["0 fixes", "1 fix", "2 fixes"]
+    assert plural(1, "scan") == "1 scan"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from navfix.association.window import jackknife, joint
-from navfix.association.window.associate import solve_window
+from navfix.association.window.associate import solve_jointly
 from navfix.association.window.settle import settle
 from navfix.geodesy import LocalPlane
 from navfix.types import Epoch, Mark, Position, RadarTarget
@@ -74,7 +74,7 @@ def climbed_m(window: tuple[Epoch, ...]) -> float:
 def test_an_echo_beside_a_ship_by_accident_does_not_turn_the_heading(seed: int):
     window = sector(seed, off_deg=-5.5)
     assert climbed_m(window.epochs) > 50.0, "the climb takes the echo for the ship"
-    found = solve_window(window.epochs)
+    found = solve_jointly(window.epochs)
     assert window.error_m(found.fix.position) < 25.0
     assert 6 not in found.association.pairs[:, 0]
     assert all("T6" not in labels for labels in found.labels)
@@ -82,7 +82,7 @@ def test_an_echo_beside_a_ship_by_accident_does_not_turn_the_heading(seed: int):
 
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_a_far_ship_that_is_the_echo_stays_a_pair(seed: int):
-    found = solve_window(sector(seed, off_deg=0.4, off_m=20.0).epochs)
+    found = solve_jointly(sector(seed, off_deg=0.4, off_m=20.0).epochs)
     assert [6, 6] in found.association.pairs.tolist()
 
 

@@ -16,7 +16,7 @@ from navfix.adjustment.window.checks import check, check_rank
 from navfix.adjustment.window.components import Judged, with_components
 from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
 from navfix.adjustment.window.prior import KnownPose
-from navfix.adjustment.window.problem import Pairs, Sighting, Window, replaced, sightings_of, times_of, window_of
+from navfix.adjustment.window.problem import Pairs, Sighting, WindowNetwork, replaced, sightings_of, times_of, window_of
 from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
 from navfix.adjustment.window.start import Pose, first_pose, initial_state, plane_pose, poses_from
@@ -41,7 +41,7 @@ class Solved:
     """
 
     sightings: Sequence[Sighting]
-    window: Window
+    window: WindowNetwork
     found: Judged
     cofactor: FloatArray
     solver: str
@@ -160,7 +160,7 @@ def _given(
     return newest, dict(enumerate(start))
 
 
-def _start_poses(window: Window, anchor: int, given: dict[int, Pose]) -> FloatArray:
+def _start_poses(window: WindowNetwork, anchor: int, given: dict[int, Pose]) -> FloatArray:
     if len(given) == window.epochs and window.epochs > 1:
         poses = np.array([plane_pose(window.plane, given[e]) for e in range(window.epochs)])
     else:
@@ -170,8 +170,8 @@ def _start_poses(window: Window, anchor: int, given: dict[int, Pose]) -> FloatAr
 
 
 def _centred(
-    window: Window, epochs: Sequence[Epoch], sightings: Sequence[Sighting], poses: FloatArray
-) -> tuple[Window, FloatArray]:
+    window: WindowNetwork, epochs: Sequence[Epoch], sightings: Sequence[Sighting], poses: FloatArray
+) -> tuple[WindowNetwork, FloatArray]:
     """Return the window and the poses on a plane about the newest pose."""
     places = [window.plane.to_position(float(p[0]), float(p[1])) for p in poses]
     turns = [window.plane.convergence_deg(place) for place in (places[0], places[-1])]
@@ -198,7 +198,7 @@ def _robust(plan: Plan, kernel: Kernel, damping: Damping, state: FloatArray) -> 
     return damper, descend(damper, state, tolerance=COARSE)
 
 
-def _finished(window: Window, found: Judged, solver: Solver) -> tuple[Judged, FloatArray, str]:
+def _finished(window: WindowNetwork, found: Judged, solver: Solver) -> tuple[Judged, FloatArray, str]:
     """Solve once more as a factor graph and check that it is the same place; else our own road stands."""
     layout, state = found.damper.plan.layout, found.descended.state
     newest = layout.newest()

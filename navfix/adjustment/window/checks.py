@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from navfix.adjustment.window.descent import Damper, Descended
-from navfix.adjustment.window.problem import Window
+from navfix.adjustment.window.problem import WindowNetwork
 from navfix.errors import NoAgreement, TooFewPairs, Unobservable
 from navfix.types import FloatArray
 
@@ -36,13 +36,13 @@ def check(damper: Damper, descended: Descended) -> None:
         )
 
 
-def mark_weights(window: Window, sighting: FloatArray, static: FloatArray) -> FloatArray:
+def mark_weights(window: WindowNetwork, sighting: FloatArray, static: FloatArray) -> FloatArray:
     """Return the weight of each mark (M,): mean weight of its sightings times that of its constant errors."""
     count = np.bincount(window.seen.mark, minlength=len(static))
     return np.asarray(np.bincount(window.seen.mark, sighting, len(static)) / np.maximum(count, 1) * static)
 
 
-def check_rank(window: Window, pose: FloatArray, cofactor: FloatArray) -> None:
+def check_rank(window: WindowNetwork, pose: FloatArray, cofactor: FloatArray) -> None:
     """Raise Unobservable where the newest pose is free to half the distance of the marks, or to 29 deg."""
     distance_m = float(np.median(np.hypot(*(window.seen.place_ne_m - pose[:2]).T)))
     values, vectors = np.linalg.eigh(cofactor[:2, :2])

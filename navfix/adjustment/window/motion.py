@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from navfix.adjustment.window.prior import known_pose_rows
-from navfix.adjustment.window.problem import Window, gyro_steps
+from navfix.adjustment.window.problem import WindowNetwork, gyro_steps
 from navfix.adjustment.window.state import CURRENT_EAST, CURRENT_NORTH, Layout
 from navfix.types import FloatArray, IntArray
 from navfix.units import wrap_pi
@@ -41,7 +41,7 @@ class _Linear:
 class OwnMotion:
     """The rows of own ship's motion: those that are linear are made once for a window, the others at every state."""
 
-    def __init__(self, window: Window, layout: Layout) -> None:
+    def __init__(self, window: WindowNetwork, layout: Layout) -> None:
         self._window, self._layout = window, layout
         self._logged = np.flatnonzero(logged(window))
         self._linear = _Linear.of(_turns(window), _by_inertia(window), _first_speed(window))
@@ -65,7 +65,7 @@ class OwnMotion:
         ]
 
 
-def logged(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def logged(window: WindowNetwork) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Tell for each step (E - 1,) whether the log was heard at both ends and a heading turns it to north."""
     log = np.isfinite(window.own.log_mps)
     heading = window.any_relative | np.isfinite(window.own.gyro_rad)
@@ -73,11 +73,11 @@ def logged(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     return np.asarray(both & (np.diff(window.time_s) <= window.model.longest_step_s))
 
 
-def _connected(window: Window) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _connected(window: WindowNetwork) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     return np.asarray(np.diff(window.time_s) <= window.model.longest_step_s)
 
 
-def _turns(window: Window) -> _Linear:
+def _turns(window: WindowNetwork) -> _Linear:
     """The turn of a step: that of the gyro, whose constant error cancels, else a walk about none; eq. (10.4)."""
     model, step_s = window.model, np.diff(window.time_s)
     turned = gyro_steps(window)
@@ -95,7 +95,7 @@ def _turns(window: Window) -> _Linear:
     return _Linear(columns[use], values[use], offset[use], whole[use], np.full(np.count_nonzero(use), _TURN))
 
 
-def _by_log(window: Window, layout: Layout, use: IntArray, state: FloatArray) -> Part:
+def _by_log(window: WindowNetwork, layout: Layout, use: IntArray, state: FloatArray) -> Part:
     """Displacement = speed by log along the heading + current; eq. (10.5). The current is an unknown of the window."""
     if not len(use):
         return np.zeros(0), *_empty(0)
@@ -123,7 +123,7 @@ def _by_log(window: Window, layout: Layout, use: IntArray, state: FloatArray) ->
     return _joined(parts)
 
 
-def _by_inertia(window: Window) -> _Linear:
+def _by_inertia(window: WindowNetwork) -> _Linear:
     """Without a log the velocity wanders: its change over three epochs is that of a Wiener process; eq. (10.6)."""
     model, step_s, joined = window.model, np.diff(window.time_s), _connected(window)
     by_log = logged(window)
@@ -139,7 +139,7 @@ def _by_inertia(window: Window) -> _Linear:
     return _unbiased(columns, values, _MOVE)
 
 
-def _first_speed(window: Window) -> _Linear:
+def _first_speed(window: WindowNetwork) -> _Linear:
     """A ship's speed is known beforehand within the fastest of ships: one row per axis where no log tells it."""
     use = np.flatnonzero(_connected(window) & ~logged(window))[:1]
     per = 1.0 / (np.diff(window.time_s)[use] * window.model.own_speed_sigma_mps)
@@ -154,7 +154,7 @@ def _unbiased(columns: IntArray, values: FloatArray, component: int) -> _Linear:
     return _Linear(columns, values, np.zeros(len(columns)), np.zeros(len(columns)), np.full(len(columns), component))
 
 
-def _unseen_heading(window: Window, layout: Layout, state: FloatArray) -> Part:
+def _unseen_heading(window: WindowNetwork, layout: Layout, state: FloatArray) -> Part:
     """Where all bearings are true no radar row depends on the heading: the gyro alone says it, else nothing does."""
     columns, values = _empty(0)
     if window.any_relative:

@@ -8,7 +8,7 @@ import numpy as np
 
 from navfix.adjustment.window.components import Judged
 from navfix.adjustment.window.motion import logged
-from navfix.adjustment.window.problem import Window, gyro_steps
+from navfix.adjustment.window.problem import WindowNetwork, gyro_steps
 from navfix.adjustment.window.rows import (
     MOVE,
     NEW_BEARING,
@@ -27,7 +27,7 @@ _STANDS_OFF = 3.0  # sigma
 _UNSTEADY = 4.0  # variance component of own sensors from which on the notes say so
 
 
-def window_notes(window: Window, found: Judged, solver: str, at: int) -> tuple[str, ...]:
+def window_notes(window: WindowNetwork, found: Judged, solver: str, at: int) -> tuple[str, ...]:
     """Return what a window says beside its pose, for the epoch ``at``."""
     span_s = window.time_s[-1] - window.time_s[0]
     road = "GTSAM" if solver == "gtsam" else "dense normal equations"
@@ -42,7 +42,7 @@ def window_notes(window: Window, found: Judged, solver: str, at: int) -> tuple[s
     return tuple(said)
 
 
-def _shared_errors(window: Window, found: Judged) -> tuple[FloatArray, FloatArray]:
+def _shared_errors(window: WindowNetwork, found: Judged) -> tuple[FloatArray, FloatArray]:
     """Return what all sightings share (5,) with 1 sigma (5,): clock [s], range bias [m], compass [rad], current."""
     first = found.damper.plan.layout.shared
     at, spread = slice(first, first + 5), window.global_sigma
@@ -51,13 +51,13 @@ def _shared_errors(window: Window, found: Judged) -> tuple[FloatArray, FloatArra
     return value, sigma
 
 
-def compass_error_deg(window: Window, found: Judged) -> tuple[float, float]:
+def compass_error_deg(window: WindowNetwork, found: Judged) -> tuple[float, float]:
     """Return what must be added to the true bearings, and its 1 sigma [deg]."""
     value, sigma = _shared_errors(window, found)
     return math.degrees(float(value[COMPASS])), math.degrees(float(sigma[COMPASS]))
 
 
-def _globals(window: Window, found: Judged) -> list[str]:
+def _globals(window: WindowNetwork, found: Judged) -> list[str]:
     value, sigma = _shared_errors(window, found)
     said = [
         f"radar clock offset {value[CLOCK]:+.2f} s +- {sigma[CLOCK]:.2f}, "
@@ -75,7 +75,7 @@ def _globals(window: Window, found: Judged) -> list[str]:
     return said
 
 
-def _components(window: Window, found: Judged) -> list[str]:
+def _components(window: WindowNetwork, found: Judged) -> list[str]:
     root = np.sqrt(found.damper.components)
     said = [
         "errors in units of their models: new in each scan "
@@ -89,7 +89,7 @@ def _components(window: Window, found: Judged) -> list[str]:
     return said
 
 
-def _offsets(window: Window, found: Judged) -> list[str]:
+def _offsets(window: WindowNetwork, found: Judged) -> list[str]:
     """Name the marks that stand off by more than chance: an estimate beyond `_STANDS_OFF` times its own spread.
 
     The estimate is drawn towards 0 by the mark's own sigma, so its spread is what the data have taken off that.

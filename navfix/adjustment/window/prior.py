@@ -14,7 +14,7 @@ from navfix.types import FloatArray, IntArray, Position
 from navfix.units import wrap_pi
 
 if TYPE_CHECKING:
-    from navfix.adjustment.window.problem import Window
+    from navfix.adjustment.window.problem import WindowNetwork
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,7 +49,7 @@ def on_plane(known: KnownPose | None, plane: LocalPlane, any_relative: bool) -> 
 
 
 def known_pose_rows(
-    window: Window, layout: Layout, state: FloatArray, width: int
+    window: WindowNetwork, layout: Layout, state: FloatArray, width: int
 ) -> tuple[FloatArray, IntArray, FloatArray]:
     """Return residuals (3,), columns (3, width), derivatives (3, width) of the known pose, none without one.
 

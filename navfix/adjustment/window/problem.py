@@ -77,7 +77,7 @@ class OwnSensors:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Window:
+class WindowNetwork:
     """Everything on one plane. ``mark_sigma_m`` (n,): of each mark's offset that stays; ``time_s`` (E,) POSIX.
 
     ``prior`` is the pose of the first epoch as older data have it, None where nothing is known.
@@ -179,7 +179,7 @@ def window_of(
     model: AdjustmentModel,
     compass_sigma_deg: float,
     prior: KnownPose | None = None,
-) -> Window:
+) -> WindowNetwork:
     """Bring a window onto a plane; sigmas are split into what stays and what is new in every scan."""
     time_s = times_of(epochs)
     track, labels, track_mark_label = _tracks(sightings, time_s, model.split_gap_s)
@@ -205,13 +205,15 @@ def window_of(
         fresh_m=np.sqrt(total**2 - least[mark] ** 2),
     )
     tracks = Tracks(labels, np.array([mark_index[m] for m in track_mark_label]), steady * math.sqrt(model.steady_share))
-    return Window(
+    return WindowNetwork(
         plane, time_s, seen, tracks, mark_labels, least, _own_sensors(epochs), model, math.radians(compass_sigma_deg),
         on_plane(prior, plane, not bool(np.all(seen.is_true))),
     )  # fmt: skip
 
 
-def replaced(window: Window, epochs: Sequence[Epoch], sightings: Sequence[Sighting], plane: LocalPlane) -> Window:
+def replaced(
+    window: WindowNetwork, epochs: Sequence[Epoch], sightings: Sequence[Sighting], plane: LocalPlane
+) -> WindowNetwork:
     """Return the same window on another plane."""
     places = [s.mark.position for s in sightings]
     ne_m = plane.all_to_plane([p.lat_deg for p in places], [p.lon_deg for p in places])
@@ -273,6 +275,6 @@ def _own_sensors(epochs: Sequence[Epoch]) -> OwnSensors:
     return OwnSensors(np.array(gyro), np.array(spread), np.array(speed), np.array(sigma), np.array(water))
 
 
-def gyro_steps(window: Window) -> FloatArray:
+def gyro_steps(window: WindowNetwork) -> FloatArray:
     """Return the turn of the gyro between successive epochs (E - 1,) [rad], NaN where one of them is missing."""
     return np.asarray(wrap_pi(np.diff(window.own.gyro_rad)))

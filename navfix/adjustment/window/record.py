@@ -11,7 +11,7 @@ import numpy as np
 from navfix.adjustment.reliability import global_test, radius_of_probability
 from navfix.adjustment.window.components import Judged, reference_deviation
 from navfix.adjustment.window.notes import compass_error_deg, window_notes
-from navfix.adjustment.window.problem import Sighting, Window
+from navfix.adjustment.window.problem import Sighting, WindowNetwork
 from navfix.adjustment.window.residuals import track_observations
 from navfix.adjustment.window.rows import NEW_BEARING, NEW_RANGE, OFFSET, STEADY_BEARING, STEADY_RANGE
 from navfix.kernels import Kernel
@@ -22,7 +22,7 @@ from navfix.units import wrap_360
 def fix_of(
     epochs: Sequence[Epoch],
     sightings: Sequence[Sighting],
-    window: Window,
+    window: WindowNetwork,
     found: Judged,
     cofactor: FloatArray,
     kernel: Kernel,

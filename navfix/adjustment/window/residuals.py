@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from navfix.adjustment.window.components import Judged
-from navfix.adjustment.window.problem import Sighting, Window
+from navfix.adjustment.window.problem import Sighting, WindowNetwork
 from navfix.adjustment.window.rows import (
     NEW_BEARING,
     NEW_RANGE,
@@ -20,7 +20,7 @@ from navfix.types import AdjustedObservation, ObservationKind
 
 
 def track_observations(
-    sightings: Sequence[Sighting], window: Window, found: Judged, at: int | None
+    sightings: Sequence[Sighting], window: WindowNetwork, found: Judged, at: int | None
 ) -> tuple[AdjustedObservation, ...]:
     """Return range and bearing of each track: mean residual over the window against the mark as given; eq. (10.10).
 
@@ -59,7 +59,7 @@ def track_observations(
     return tuple(rows)
 
 
-def _spread(window: Window, found: Judged, track: int, part: int, members: np.ndarray, new: float) -> float:
+def _spread(window: WindowNetwork, found: Judged, track: int, part: int, members: np.ndarray, new: float) -> float:
     """Return 1 sigma of a track's mean: what stays with track and mark, and the variance of what is ``new``."""
     components, mark = found.damper.components, int(window.tracks.mark[track])
     across = 1.0 if part == 0 else 1.0 / max(float(window.seen.value[members[-1], 0]), 1.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from navfix.adjustment.window.motion import OwnMotion
-from navfix.adjustment.window.problem import Window
+from navfix.adjustment.window.problem import WindowNetwork
 from navfix.adjustment.window.state import CLOCK, COMPASS, RANGE_BIAS, Layout
 from navfix.types import FloatArray, IntArray
 
@@ -37,7 +37,7 @@ class Plan:
     the upper half of the normal matrix, counted row by row; the matrix is symmetric.
     """
 
-    window: Window
+    window: WindowNetwork
     layout: Layout
     sights: Sights
     motion: OwnMotion
@@ -46,7 +46,7 @@ class Plan:
     place: IntArray
 
     @classmethod
-    def of(cls, window: Window) -> Plan:
+    def of(cls, window: WindowNetwork) -> Plan:
         """Return the plan of a window."""
         layout = Layout.of(window)
         sights, motion = Sights(window, layout), OwnMotion(window, layout)
@@ -89,7 +89,7 @@ class Sights:
     All but the direction to the mark is linear in the unknowns, and made once for a window.
     """
 
-    def __init__(self, window: Window, layout: Layout) -> None:
+    def __init__(self, window: WindowNetwork, layout: Layout) -> None:
         seen, spread = window.seen, window.global_sigma
         self._window, self._layout = window, layout
         self.sigma = radar_sigma(window)
@@ -128,7 +128,7 @@ class Sights:
         return residual.ravel(), values.reshape(-1, WIDTH)
 
 
-def _radar_columns(window: Window, layout: Layout) -> IntArray:
+def _radar_columns(window: WindowNetwork, layout: Layout) -> IntArray:
     seen = window.seen
     pose, offset, constant = 3 * seen.epoch, layout.offset(seen.mark), layout.constant(seen.track)
     shared = np.full_like(pose, layout.shared)
@@ -138,7 +138,7 @@ def _radar_columns(window: Window, layout: Layout) -> IntArray:
     return np.stack([by_range, by_bearing], axis=1).reshape(-1, WIDTH)
 
 
-def radar_sigma(window: Window) -> FloatArray:
+def radar_sigma(window: WindowNetwork) -> FloatArray:
     """Return 1 sigma (k, 2) of what is new in each sighting, m and rad: radar, and the mark's age; eq. (10.3)."""
     seen = window.seen
     at_distance = seen.fresh_m / np.maximum(seen.value[:, 0], 50.0)

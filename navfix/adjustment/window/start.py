@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from navfix.adjustment.epoch import adjust
-from navfix.adjustment.window.problem import Sighting, Window, gyro_steps
+from navfix.adjustment.window.problem import Sighting, WindowNetwork, gyro_steps
 from navfix.adjustment.window.state import Layout
 from navfix.catalog import RadarModel
 from navfix.errors import NoFix, TooFewPairs
@@ -53,7 +53,7 @@ def first_pose(
     )
 
 
-def poses_from(window: Window, anchor: int, pose: FloatArray) -> FloatArray:
+def poses_from(window: WindowNetwork, anchor: int, pose: FloatArray) -> FloatArray:
     """Return (E, 3) poses: that of the ``anchor`` epoch carried to its neighbours, scan by scan, both ways."""
     poses = np.tile(np.asarray(pose, np.float64), (window.epochs, 1))
     sure = _agreeing(window, anchor, poses[anchor])
@@ -69,7 +69,7 @@ def poses_from(window: Window, anchor: int, pose: FloatArray) -> FloatArray:
     return poses
 
 
-def initial_state(window: Window, layout: Layout, poses: FloatArray) -> FloatArray:
+def initial_state(window: WindowNetwork, layout: Layout, poses: FloatArray) -> FloatArray:
     """Return the state with these poses and everything else zero."""
     state = np.zeros(layout.size)
     layout.poses(state)[:] = poses
@@ -90,7 +90,7 @@ def _run(poses: FloatArray, before: int, step: int, time_s: FloatArray, e: int) 
     return np.asarray(velocity * (time_s[e] - time_s[before]) * min(1.0, 25.0 / max(fast, 1e-9)))
 
 
-def _agreeing(window: Window, anchor: int, pose: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+def _agreeing(window: WindowNetwork, anchor: int, pose: FloatArray) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Tell which marks (M,) fit the pose at the anchor; all that were not seen there are trusted for a start."""
     seen = window.seen
     here = seen.epoch == anchor
@@ -105,7 +105,7 @@ def _agreeing(window: Window, anchor: int, pose: FloatArray) -> np.ndarray[tuple
 
 
 def _from_marks(
-    window: Window, e: int, guess: FloatArray, sure: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    window: WindowNetwork, e: int, guess: FloatArray, sure: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 ) -> FloatArray:
     """Return the pose of one epoch: medians of the marks' own positions and of the turn, in alternation."""
     seen = window.seen

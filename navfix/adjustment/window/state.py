@@ -10,7 +10,7 @@ import numpy as np
 from navfix.types import FloatArray, IntArray
 
 if TYPE_CHECKING:
-    from navfix.adjustment.window.problem import Window
+    from navfix.adjustment.window.problem import WindowNetwork
 
 GLOBALS = ("clock", "range_bias", "compass", "current_north", "current_east")
 CLOCK, RANGE_BIAS, COMPASS, CURRENT_NORTH, CURRENT_EAST = range(len(GLOBALS))
@@ -28,7 +28,7 @@ class Layout:
     tracks: int
 
     @classmethod
-    def of(cls, window: Window) -> Layout:
+    def of(cls, window: WindowNetwork) -> Layout:
         """Return the layout of a window."""
         return cls(window.epochs, len(window.mark_labels), len(window.tracks.label))
 
@@ -57,6 +57,6 @@ class Layout:
         """Return where the newest pose stands."""
         return slice(self.shared - 3, self.shared)
 
-    def static_mark(self, window: Window) -> IntArray:
+    def static_mark(self, window: WindowNetwork) -> IntArray:
         """Return the mark of each unknown behind the globals, (2 M + 2 T,)."""
         return np.repeat(np.concatenate([np.arange(self.marks), window.tracks.mark]), 2)

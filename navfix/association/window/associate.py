@@ -49,7 +49,7 @@ def associate_window(
     NoAgreement : no own motion explains the tracks better than chance; Ambiguous : another explains them nearly as well
     InputError : epochs without a time, or not in the order of time
     """
-    return solve_window(epochs, model=model, shared=shared, radar=radar).association
+    return solve_jointly(epochs, model=model, shared=shared, radar=radar).association
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,7 +66,7 @@ class WindowAnswer:
     spread: FloatArray
 
 
-def solve_window(
+def solve_jointly(
     epochs: Sequence[Epoch],
     *,
     model: WindowModel | str = "joint",
