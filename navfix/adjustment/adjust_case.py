@@ -10,19 +10,11 @@ import numpy as np
 from navfix import catalog
 from navfix.adjustment.case import Case
 from navfix.adjustment.case_frame import Place, middle_of_marks, moved, network_about, true_heading_deg
+from navfix.adjustment.checks import alternative, check_counts, check_solution, determined
 from navfix.adjustment.network import Network
 from navfix.adjustment.observations import adjusted_observations, notes
 from navfix.adjustment.reliability import Quality, assess, by_residual_sigma
-from navfix.adjustment.solve import (
-    Solution,
-    Solver,
-    alternative,
-    check_counts,
-    check_solution,
-    determined,
-    finish,
-    solve,
-)
+from navfix.adjustment.solve import Solution, Solver, finish, solve
 from navfix.adjustment.start import Minimum, find_minima, follow
 from navfix.adjustment.textbook import LinearStep, linear_step
 from navfix.errors import Unobservable

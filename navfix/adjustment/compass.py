@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.adjustment import solve as solving
+from navfix.adjustment import checks
 from navfix.adjustment.damped import observation_weights
 from navfix.adjustment.network import TRUE_BEARING, BoolArray, Network
 from navfix.adjustment.pairs import Problem
@@ -57,7 +57,7 @@ def locate(search: Search, problem: Problem) -> Located:
     Raises
     ------
     Ambiguous : the compass believed and not believed lead to different places, and are nearly as likely;
-    NoFix : as `solving.check_solution`
+    NoFix : as `checks.check_solution`
     """
     if problem.mixed:
         return _beside_the_heading(search, problem)
@@ -72,8 +72,8 @@ def _checked(search: Search, found: Found, *, heading: bool, rivals: bool = True
     """Check the best minimum; return the others as places."""
     place = Placer(found.plane, heading=heading)
     rivals = rivals and not search.only_given
-    solving.check_solution(found.network, search.kernel, search.damping, found.minima, place=place, rivals=rivals)
-    return tuple(solving.alternative(minimum, place) for minimum in found.minima[1:])
+    checks.check_solution(found.network, search.kernel, search.damping, found.minima, place=place, rivals=rivals)
+    return tuple(checks.alternative(minimum, place) for minimum in found.minima[1:])
 
 
 # ------------------------------------------------------------------------------------------------ all bearings true
@@ -88,9 +88,9 @@ def _in_every_bearing(search: Search, problem: Problem) -> Located:
     gap = free.minima[0].loss + failure_cost(problem.compass_sigma_rad) - believed.minima[0].loss
     chosen, other = (believed, free) if gap > 0.0 else (free, believed)
     others = _checked(search, chosen, heading=False)
-    close = abs(gap) < solving.decisive_gap(search.kernel, search.damping)
+    close = abs(gap) < checks.decisive_gap(search.kernel, search.damping)
     if close and not search.only_given and _apart(search, chosen, other):
-        places = [solving.alternative(f.minima[0], Placer(f.plane, heading=False)) for f in (chosen, other)]
+        places = [checks.alternative(f.minima[0], Placer(f.plane, heading=False)) for f in (chosen, other)]
         raise Ambiguous(
             "the true bearings as shown and turned by a compass error lead to different places", alternatives=places
         )
@@ -101,7 +101,7 @@ def _free(search: Search, problem: Problem) -> Found | None:
     """Return the minima without the prior, None where the data alone do not determine the compass error."""
     network = replace(problem.network, heading_prior_rad=None)
     try:
-        solving.check_counts(network)
+        checks.check_counts(network)
         found = search.minima(network)
         _checked(search, found, heading=False, rivals=False)
     except NoFix:

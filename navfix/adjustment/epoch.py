@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from navfix.adjustment import solve as solving
+from navfix.adjustment.checks import check_counts
 from navfix.adjustment.compass import Located, border, bordered_cofactor, locate
-from navfix.adjustment.lever_arm import Alignment, Offset, aligned, checked_offset, moved_covariance, swung
+from navfix.adjustment.lever_arm import Alignment, Offset, swung
+from navfix.adjustment.mounting import Mounting
 from navfix.adjustment.network import Network
 from navfix.adjustment.observations import adjusted_observations, compass_notes, notes
 from navfix.adjustment.pairs import Problem, mask_of, observation_sigmas, pairs_of, problem_of
 from navfix.adjustment.reliability import Quality, assess
 from navfix.adjustment.search import Placer, Search
-from navfix.adjustment.solve import Solution, Solver
+from navfix.adjustment.solve import Solution, Solver, finish
 from navfix.catalog import RadarModel, radar_model
 from navfix.catalog import kernel as kernel_of
 from navfix.geodesy import LocalPlane
 from navfix.kernels import Damping, Kernel, Standardisation
 from navfix.types import Alternative, Association, Epoch, Fix, FloatArray, HeadingHint, Integrity, Position
-from navfix.units import wrap_360
 
 
 def adjust(
@@ -88,7 +88,7 @@ def adjust(
     Knopp, thesis, 4.3; Gdynia stand (Czaplewski et al.), eq. 14-17; Huber, Robust Statistics, 1981.
     """
     model, damper = radar_model(radar), kernel_of(kernel)
-    mounting = _Mounting.of(model, radar_antenna_m, alignment)
+    mounting = Mounting.of(model, radar_antenna_m, alignment)
     pairs = pairs_of(epoch, association)
     problem = problem_of(
         pairs,
@@ -97,7 +97,7 @@ def adjust(
         heading_prior=heading_prior,
         compass_sigma_deg=model.compass_sigma_deg if compass_sigma_deg is None else compass_sigma_deg,
     )
-    solving.check_counts(problem.network)
+    check_counts(problem.network)
     search = Search(
         pairs, damper, damping, _given(association, start, problem, mounting), start is not None, standardise
     )
@@ -108,7 +108,7 @@ def adjust(
 
 
 def _given(
-    association: Association, start: tuple[Position, float | None] | None, problem: Problem, mounting: _Mounting
+    association: Association, start: tuple[Position, float | None] | None, problem: Problem, mounting: Mounting
 ) -> tuple[Position, float | None] | None:
     """Return the pose to begin from: of the radar's antenna and zero mark, or with the compass error for a turn."""
     if start is None:
@@ -120,59 +120,7 @@ def _given(
 
 def _finished(located: Located, kernel: Kernel, damping: Damping, solver: Solver) -> Solution:
     found = located.found
-    return solving.finish(found.network, kernel, damping, found.minima[0], solver=solver)
-
-
-# --------------------------------------------------------------------------------------------- the radar on the ship
-
-
-@dataclass(frozen=True, slots=True)
-class _Mounting:
-    """Where the radar's antenna is, (forward, starboard) [m], and how its zero mark is aligned (None: not known)."""
-
-    offset_m: Offset
-    alignment: Alignment | None
-
-    @classmethod
-    def of(
-        cls, radar: RadarModel, offset_m: Offset | None, alignment: Alignment | tuple[float, float] | None
-    ) -> _Mounting:
-        """Return what the options say, else what the model of the radar says."""
-        if offset_m is None:
-            offset_m = (radar.antenna_forward_m, radar.antenna_starboard_m)
-        if alignment is None and radar.alignment_deg is not None:
-            alignment = (radar.alignment_deg, radar.alignment_sigma_deg)
-        given = Alignment(*alignment) if isinstance(alignment, tuple) else alignment
-        return cls(checked_offset(offset_m, "radar_antenna_m"), given)
-
-    @property
-    def plain(self) -> bool:
-        return self.alignment is None and not any(self.offset_m)
-
-    @property
-    def turn_deg(self) -> float:
-        return 0.0 if self.alignment is None else self.alignment.offset_deg
-
-    def antenna_and_zero_mark(self, own: Position, heading_deg: float | None) -> tuple[Position, float | None]:
-        """Return the place of the antenna and the heading of the zero mark of a ship's place and heading."""
-        if heading_deg is None or self.plain:
-            return own, heading_deg
-        north_m, east_m = swung(self.offset_m, math.radians(heading_deg))[0].tolist()
-        return LocalPlane(own).to_position(north_m, east_m), heading_deg + self.turn_deg
-
-    def ship_of(self, antenna: Position, zero_mark_deg: float | None) -> tuple[Position, float | None]:
-        """Return the place of the reference point and the bow's heading; the inverse of `antenna_and_zero_mark`."""
-        if zero_mark_deg is None or self.plain:
-            return antenna, zero_mark_deg
-        heading_deg = zero_mark_deg - self.turn_deg
-        north_m, east_m = (-swung(self.offset_m, math.radians(heading_deg))[0]).tolist()
-        return LocalPlane(antenna).to_position(north_m, east_m), wrap_360(heading_deg)
-
-    def covariance_of_ship(self, covariance: FloatArray, heading_deg: float) -> FloatArray:
-        """Return the covariance (3, 3) of reference point and bow from that of antenna and zero mark."""
-        if self.alignment is not None:
-            covariance = aligned(covariance, self.alignment)
-        return moved_covariance(covariance, swung(self.offset_m, math.radians(heading_deg))[1], -1.0)
+    return finish(found.network, kernel, damping, found.minima[0], solver=solver)
 
 
 # ------------------------------------------------------------------------------------------------------- the record
@@ -186,7 +134,7 @@ def _fix(
     kernel: Kernel,
     damping: Damping,
     solution: Solution,
-    mounting: _Mounting,
+    mounting: Mounting,
 ) -> Fix:
     found, network = located.found, located.found.network
     heading_known = network.heading_unknown and not problem.common
@@ -257,7 +205,7 @@ def _compass_error(
 
 
 def _by_hint(
-    epoch: Epoch, mounting: _Mounting, antenna: Position, said: list[str]
+    epoch: Epoch, mounting: Mounting, antenna: Position, said: list[str]
 ) -> tuple[Position, FloatArray | float]:
     """Return the reference point by the heading hint where the heading is not an unknown, and the variance added."""
     hint = epoch.heading_hint
@@ -271,7 +219,7 @@ def _by_hint(
     return position, math.radians(hint.sigma_deg) ** 2 * np.outer(by_heading, by_heading)
 
 
-def _of_ship(other: Alternative, mounting: _Mounting) -> Alternative:
+def _of_ship(other: Alternative, mounting: Mounting) -> Alternative:
     if not isinstance(other.position, Position):
         return other
     position, heading_deg = mounting.ship_of(other.position, other.heading_deg)

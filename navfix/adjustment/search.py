@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from navfix.adjustment import solve as solving
+from navfix.adjustment import checks
 from navfix.adjustment.network import TRUE_BEARING, Network
 from navfix.adjustment.pairs import Pair
 from navfix.adjustment.reliability import by_residual_sigma
@@ -62,7 +62,7 @@ class Search:
             plane = LocalPlane(origin)
             network = network.with_marks(plane.all_to_plane(lat, lon))
             minima = self._on_the_plane(network, plane)
-            if self.standardise == "gdynia" and solving.determined(network, minima[0].pose, self.damping):
+            if self.standardise == "gdynia" and checks.determined(network, minima[0].pose, self.damping):
                 network = by_residual_sigma(network, minima[0].pose, self.damping)
                 minima = self._on_the_plane(network, plane)
             if not north_matters:
@@ -84,7 +84,7 @@ class Search:
         if not self.only_given:
             return minima
         best = follow_given(network, self.kernel, self.damping, pose, minima)
-        return [best, *(m for m in minima if not solving.same_place(network, m.pose, best.pose))]
+        return [best, *(m for m in minima if not checks.same_place(network, m.pose, best.pose))]
 
     def stand_still(self, found: Found) -> Found:
         """Re-centre the plane on the solution until it stands still: then ranges and bearings are exact geodesics."""

@@ -10,6 +10,7 @@ from navfix.report import words
 
 WIDTH = 100
 LABEL = 16
+LISTED = 10  # places, targets and outliers listed in full before the rest is only counted
 
 
 def entry(label: str, text: str) -> Iterator[str]:

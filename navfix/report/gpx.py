@@ -8,9 +8,9 @@ from navfix.errors import InputError
 from navfix.report import words
 from navfix.report.answer import Answer
 from navfix.report.numbers import degrees, iso_utc
+from navfix.report.outliers import outlier_words
 from navfix.report.rows import pair_rows
 from navfix.report.tables import clipped
-from navfix.report.text import outlier_words
 from navfix.types import Fix, Position
 
 NAMESPACE = "http://www.topografix.com/GPX/1/1"

@@ -12,15 +12,14 @@ from navfix.geodesy import inverse
 from navfix.report import words
 from navfix.report.answer import Answer
 from navfix.report.data_used import data_entries
-from navfix.report.entries import LABEL, about, entry, in_metres, wrapped
+from navfix.report.entries import LABEL, LISTED, entry, in_metres, wrapped
 from navfix.report.other_positions import beside_lines, gnss_lines, three_positions
-from navfix.report.rows import PairRow, pair_rows, unmatched_indices
+from navfix.report.outliers import named_outliers
+from navfix.report.rows import pair_rows, unmatched_indices
 from navfix.report.tables import printable, residual_table
 from navfix.report.track_text import track_lines
 from navfix.types import Alternative, Epoch, Fix, PlanePosition, Position, RadarTarget
 from navfix.units import NM_M
-
-_LISTED = 10  # places and targets listed in full before the rest is only counted
 
 
 def report_text(answer: Answer) -> str:
@@ -43,7 +42,7 @@ def fix_lines(answer: Answer, fix: Fix) -> Iterator[str]:
     yield from track_lines(answer.track)
     yield from _data(answer)
     yield from beside_lines(answer, fix)
-    yield from _named_outliers(fix, rows)
+    yield from named_outliers(fix, rows)
     yield ""
     yield from _quality(fix)
     yield ""
@@ -127,39 +126,6 @@ def _certainty(fix: Fix) -> Iterator[str]:
         )
 
 
-def _named_outliers(fix: Fix, rows: Sequence[PairRow]) -> Iterator[str]:
-    outliers = [row for row in rows if row.outlier]
-    if not outliers:
-        return
-    yield ""
-    title = "SUSPECT: " if fix.kernel == "none" else "OUTLIER: "
-    for row in outliers[: 2 * _LISTED]:
-        yield from wrapped(title + outlier_words(row), indent=len(title))
-    if len(outliers) > 2 * _LISTED:
-        yield f"and {len(outliers) - 2 * _LISTED} more, marked * in the table"
-
-
-def outlier_words(row: PairRow) -> str:
-    """Return a sentence that names an outlier: who, how far, in which direction."""
-    mmsi = row.mark.mmsi if row.mark is not None else None
-    who = f"{row.name} ({mmsi})" if mmsi is not None and row.name != str(mmsi) else row.name
-    pair = f"target {row.target} / {who}" if row.target else who
-    said = "charted" if row.mark is not None and row.mark.kind == "charted" else "AIS"
-    if row.mark is None:
-        said = "given"
-    if not row.stands_off:
-        return f"{pair}: left out or damped, its sightings contradict each other; their mean fits the {said} position"
-    if row.offset_m is not None and row.offset_azimuth_deg is not None:
-        metres = about(row.offset_m)
-        return f"{pair}: {said} position about {metres} off along {words.direction(row.offset_azimuth_deg)}"
-    if row.range is not None:
-        side = "longer" if row.range.residual < 0.0 else "shorter"
-        return f"{pair}: range {in_metres(abs(row.range.residual))} {side} than to the {said} position"
-    assert row.bearing is not None
-    side = "right" if row.bearing.residual < 0.0 else "left"
-    return f"{pair}: bearing {abs(row.bearing.residual):.2f}° to the {side} of the {said} position"
-
-
 def _quality(fix: Fix) -> Iterator[str]:
     scaling = "from the residuals" if fix.covariance_scaling == "a_posteriori" else "from the sigmas given"
     sigma0 = f"sigma0 {fix.sigma0:.3f}   redundancy {fix.redundancy}"
@@ -238,7 +204,7 @@ def _evidence(error: NoFix) -> Iterator[str]:
 
 def _alternatives(places: Sequence[Alternative], centre: Position | PlanePosition) -> Iterator[str]:
     """Yield the first places with their distance from ``centre`` and count the rest."""
-    for place in places[:_LISTED]:
+    for place in places[:LISTED]:
         heading = "" if place.heading_deg is None else f"   heading {words.bearing(place.heading_deg)}"
         apart = ""
         if isinstance(place.position, Position) and isinstance(centre, Position):
@@ -246,8 +212,8 @@ def _alternatives(places: Sequence[Alternative], centre: Position | PlanePositio
             if distance_m > 0.5:
                 apart = f"   {words.short_distance(distance_m)} along {words.direction(azimuth_deg)}"
         yield from entry("", f"{words.place(place.position)}{heading}   score {place.score:.1f}{apart}")
-    if len(places) > _LISTED:
-        yield from entry("", f"and {len(places) - _LISTED} more (all of them stand in the JSON)")
+    if len(places) > LISTED:
+        yield from entry("", f"and {len(places) - LISTED} more (all of them stand in the JSON)")
 
 
 def _notes(answer: Answer, fix: Fix | None) -> Iterator[str]:

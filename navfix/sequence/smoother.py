@@ -10,7 +10,7 @@ import numpy as np
 
 from navfix import catalog
 from navfix.adjustment.window import Solved, solve_window
-from navfix.adjustment.window.problem import times_of
+from navfix.adjustment.window.reading import times_of
 from navfix.adjustment.window.record import fix_of
 from navfix.catalog import AdjustmentModel, OwnMotionModel, RadarModel, own_motion_model, radar_model
 from navfix.errors import InputError, NoFix

@@ -8,19 +8,15 @@ alike, and noise that is larger than the model says, can be mixed in.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from navfix.geodesy import LocalPlane, convergence
+from navfix.simulation.layouts import Crowding, in_disc, lay_out
 from navfix.types import Epoch, FloatArray, Hull, IntArray, Mark, Position, RadarTarget
 from navfix.units import NM_M
-
-Crowding = Callable[[NDArray[np.complex128]], FloatArray]  # marks per m^2 at places of any shape
-
-LAYOUTS = ("uniform", "anchorages", "lanes", "channel")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,13 +68,13 @@ def make_scene(recipe: SceneRecipe, seed: int | np.random.Generator) -> MadeScen
     random = np.random.default_rng(seed)
     radar_m, ais_m = recipe.radar_nm * NM_M, recipe.ais_nm * NM_M
     heading_rad = random.uniform(0.0, 2.0 * math.pi)
-    own = _in_disc(random, 1, max(ais_m - radar_m, 0.0) + 1.0)[0]
-    truth, crowding = _lay_out(random, recipe, ais_m)
+    own = in_disc(random, 1, max(ais_m - radar_m, 0.0) + 1.0)[0]
+    truth, crowding = lay_out(random, recipe.layout, recipe.marks, ais_m)
     stated, false = _state_positions(random, recipe, truth)
     visible = np.flatnonzero(np.abs(truth - own) < 0.98 * radar_m)
     wanted = min(recipe.targets - round(recipe.clutter * recipe.targets), len(visible))
     seen = random.permutation(visible)[:wanted]
-    echoes = np.concatenate([truth[seen], own + _in_disc(random, recipe.targets - wanted, 0.98 * radar_m)])
+    echoes = np.concatenate([truth[seen], own + in_disc(random, recipe.targets - wanted, 0.98 * radar_m)])
     order = random.permutation(len(echoes))
     polar = (echoes[order] - own) * np.exp(-1j * heading_rad)
     range_m, bearing_rad, sigma_m, sigma_rad = _measure(random, recipe, polar)
@@ -163,7 +159,7 @@ def log_crowding(
     widths_m = reach_m * 0.5 ** np.arange(7)
     step_m = widths_m[:, None] * (random.normal(size=(7, 200)) + 1j * random.normal(size=(7, 200)))
     turn_rad = widths_m[:, None] / reach_m * random.normal(size=(7, 200))
-    anywhere = _in_disc(random, 400, (recipe.ais_nm + recipe.radar_nm) * NM_M)
+    anywhere = in_disc(random, 400, (recipe.ais_nm + recipe.radar_nm) * NM_M)
     p = np.concatenate([own + step_m.ravel(), anywhere])
     turn = np.concatenate([turn_rad.ravel(), random.uniform(-math.pi, math.pi, size=400)])
     volume = _searched_volume(recipe)
@@ -179,69 +175,6 @@ def log_crowding(
 def _searched_volume(recipe: SceneRecipe) -> float:
     """Return places x headings [m^2 rad] that own ship may have."""
     return math.pi * ((recipe.ais_nm + recipe.radar_nm) * NM_M) ** 2 * 2.0 * math.pi
-
-
-def _in_disc(random: np.random.Generator, count: int, radius_m: float) -> NDArray[np.complex128]:
-    radius = radius_m * np.sqrt(random.uniform(size=count))
-    return np.asarray(radius * np.exp(2j * math.pi * random.uniform(size=count)), dtype=np.complex128)
-
-
-def _lay_out(
-    random: np.random.Generator, recipe: SceneRecipe, radius_m: float
-) -> tuple[NDArray[np.complex128], Crowding | None]:
-    """Return true places (n,) of the marks about the centre, and their density anywhere (None where uniform)."""
-    if recipe.layout == "uniform":
-        return _in_disc(random, recipe.marks, radius_m), None
-    if recipe.layout == "anchorages":
-        return _anchorages(random, recipe.marks, radius_m)
-    if recipe.layout == "lanes":
-        return _lanes(random, recipe.marks, radius_m)
-    if recipe.layout == "channel":
-        return _channel(random, recipe.marks)
-    raise ValueError(f"layout must be one of {', '.join(LAYOUTS)}, got {recipe.layout!r}")
-
-
-def _anchorages(random: np.random.Generator, count: int, radius_m: float) -> tuple[NDArray[np.complex128], Crowding]:
-    """Six marks in ten crowd about anchorages, one for twenty marks; the others lie anywhere."""
-    centres = _in_disc(random, max(2, count // 20), 0.8 * radius_m)
-    scatter = 900.0 * (random.normal(size=count) + 1j * random.normal(size=count))
-    clustered = centres[random.integers(len(centres), size=count)] + scatter
-    places = np.where(random.uniform(size=count) < 0.6, clustered, _in_disc(random, count, radius_m))
-
-    def crowding(place: NDArray[np.complex128]) -> FloatArray:
-        near = sum(np.exp(-0.5 * np.abs(place - centre) ** 2 / 900.0**2) for centre in centres) / len(centres)
-        return np.asarray(count * (0.6 * near / (2.0 * math.pi * 900.0**2) + 0.4 / (math.pi * radius_m**2)))
-
-    return places, crowding
-
-
-def _lanes(random: np.random.Generator, count: int, radius_m: float) -> tuple[NDArray[np.complex128], Crowding]:
-    """Two lanes beside each other."""
-    along = random.uniform(-radius_m, radius_m, size=count)
-    across = 600.0 * random.normal(size=count) + np.where(random.uniform(size=count) < 0.5, 1500.0, -1500.0)
-    turn = np.exp(1j * random.uniform(0.0, math.pi))
-
-    def crowding(place: NDArray[np.complex128]) -> FloatArray:
-        local = place * np.conj(turn)
-        ridges = sum(np.exp(-0.5 * (local.imag - side) ** 2 / 600.0**2) for side in (1500.0, -1500.0)) / 2.0
-        per_m2 = count / (2.0 * radius_m) * ridges / (math.sqrt(2.0 * math.pi) * 600.0)
-        return np.where(np.abs(local.real) <= radius_m, per_m2, 0.0)
-
-    return np.asarray((along + 1j * across) * turn), crowding
-
-
-def _channel(random: np.random.Generator, count: int) -> tuple[NDArray[np.complex128], Crowding]:
-    """Pairs of buoys, a mile apart along the fairway."""
-    place = np.arange(count)
-    row = (place // 2 - (count // 2 - 1) / 2.0) * NM_M + 1j * np.where(place % 2 == 0, 150.0, -150.0)
-    turn = np.exp(1j * random.uniform(0.0, math.pi))
-
-    def crowding(where: NDArray[np.complex128]) -> FloatArray:
-        local = where * np.conj(turn)
-        inside = (np.abs(local.imag) <= 300.0) & (np.abs(local.real) <= count / 4.0 * NM_M)
-        return np.where(inside, 2.0 / (NM_M * 600.0), 0.0)
-
-    return np.asarray(row * turn), crowding
 
 
 def _state_positions(

@@ -14,7 +14,7 @@ from navfix.adjustment import graph
 from navfix.adjustment.graph import window as window_graph
 from navfix.adjustment.window import KnownPose, adjust_window, solve_window
 from navfix.adjustment.window.components import expected_components
-from navfix.adjustment.window.problem import sightings_of, window_of
+from navfix.adjustment.window.reading import sightings_of, window_of
 from navfix.adjustment.window.rows import COMPONENTS, NEW_BEARING, NEW_RANGE, STEADY_BEARING, STEADY_RANGE, Plan
 from navfix.adjustment.window.start import initial_state
 from navfix.errors import InputError, NoFix, TooFewPairs

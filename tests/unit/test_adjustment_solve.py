@@ -11,12 +11,13 @@ import pytest
 from navfix import catalog
 from navfix.adjustment.adjust_case import adjust_case
 from navfix.adjustment.case import case_of
+from navfix.adjustment.checks import alternative, decisive_gap
 from navfix.adjustment.dense import minimise
 from navfix.adjustment.network import RANGE, RELATIVE_BEARING, TRUE_BEARING, Network
 from navfix.adjustment.observations import notes
 from navfix.adjustment.reliability import assess
 from navfix.adjustment.sights import predict
-from navfix.adjustment.solve import alternative, decisive_gap, finish, solve
+from navfix.adjustment.solve import finish, solve
 from navfix.adjustment.start import find_minima
 from navfix.adjustment.trials import trial_fixes
 from navfix.errors import Ambiguous, NoAgreement, TooFewPairs, Unobservable

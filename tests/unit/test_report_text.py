@@ -8,9 +8,10 @@ import pytest
 
 from navfix.errors import InputError, TooFewPairs
 from navfix.report import Answer
+from navfix.report.outliers import outlier_words
 from navfix.report.rows import pair_rows
 from navfix.report.tables import number
-from navfix.report.text import outlier_words, report_text
+from navfix.report.text import report_text
 from navfix.report.words import degrees_minutes, odds, plural
 from navfix.types import GnssVerdict, Position
 from tests.factories import OSLO, every_fix, every_no_fix, make_answer, make_fix, make_no_fix, make_plane_fix

@@ -12,12 +12,12 @@ import pytest
 from navfix import catalog
 from navfix.adjustment.window.components import judged
 from navfix.adjustment.window.descent import Damper, inverse_of, normal_of, solve_normal
-from navfix.adjustment.window.problem import sightings_of, window_of
+from navfix.adjustment.window.reading import sightings_of, window_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
 from navfix.adjustment.window.start import first_pose, initial_state, plane_pose, poses_from
 from navfix.association.pair_index import PairIndex
 from navfix.association.window import joint, null, votes
-from navfix.association.window.associate import solve_window
+from navfix.association.window.associate import solve_jointly
 from navfix.association.window.em import expect
 from navfix.association.window.fit import lay_over, paths_over_ground
 from navfix.association.window.jackknife import left_out
@@ -159,7 +159,7 @@ def test_where_no_track_is_a_mark_the_equations_are_those_of_clutter() -> None:
 
 def test_half_of_the_normal_matrix_is_as_good_as_the_whole() -> None:
     scans, radar, kernel = recorded(), catalog.radar_model("imo"), catalog.kernel("huber")
-    sightings = sightings_of(scans, solve_window(scans).labels)
+    sightings = sightings_of(scans, solve_jointly(scans).labels)
     anchor, pose = first_pose(scans, sightings, radar, kernel)
     window = window_of(
         scans, sightings, LocalPlane(pose[0]), radar=radar, model=catalog.adjustment_model("window"),

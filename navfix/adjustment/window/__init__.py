@@ -2,6 +2,6 @@
 
 from navfix.adjustment.window.adjust import Solved, adjust_window, solve_window
 from navfix.adjustment.window.prior import KnownPose
-from navfix.adjustment.window.problem import Pairs
+from navfix.adjustment.window.reading import Pairs
 
 __all__ = ["KnownPose", "Pairs", "Solved", "adjust_window", "solve_window"]

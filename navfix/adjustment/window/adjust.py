@@ -16,7 +16,8 @@ from navfix.adjustment.window.checks import check, check_rank
 from navfix.adjustment.window.components import Judged, with_components
 from navfix.adjustment.window.descent import COARSE, DENSE_BELOW, ROUGH, Damper, Descended, descend
 from navfix.adjustment.window.prior import KnownPose
-from navfix.adjustment.window.problem import Pairs, Sighting, WindowNetwork, replaced, sightings_of, times_of, window_of
+from navfix.adjustment.window.problem import Sighting, WindowNetwork
+from navfix.adjustment.window.reading import Pairs, replaced, sightings_of, times_of, window_of
 from navfix.adjustment.window.record import fix_of
 from navfix.adjustment.window.rows import COMPONENTS, Plan
 from navfix.adjustment.window.start import Pose, first_pose, initial_state, plane_pose, poses_from
