@@ -6,11 +6,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
+from navfix.answering import beside, watched
 from navfix.catalog import RadarModel
 from navfix.errors import Ambiguous, NoAgreement, NoFix, TooFewPairs
 from navfix.integrity import GnssMonitor, gnss_verdict, with_integrity
 from navfix.kernels import Kernel
-from navfix.pipeline import beside, watched
 from navfix.report.answer import Answer
 from navfix.sequence.dead_reckoning import DeadReckoner
 from navfix.sequence.navigator import Navigator
