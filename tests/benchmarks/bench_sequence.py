@@ -202,7 +202,14 @@ def ports(args: argparse.Namespace) -> None:
 
 def controls(args: argparse.Namespace) -> None:
     """Radar of one place with the AIS of another: nothing right exists, whatever is accepted is wrong."""
-    sequence_controls.controls(hours=args.hours, first=args.first, runs=args.runs, results=args.results, gyro=args.gyro)
+    sequence_controls.controls(
+        hours=args.hours,
+        first=args.first,
+        runs=args.runs,
+        results=args.results,
+        gyro=args.gyro,
+        recorded=args.recorded,
+    )
 
 
 def measured(names: Sequence[str] = scenes.MEASURED) -> Iterator[scenes.Run]:
@@ -226,6 +233,7 @@ def main() -> None:
     parser.add_argument(
         "--gyro", choices=("none", "right", "wrong"), default="none", help="own gyro in the ports and controls"
     )
+    parser.add_argument("--recorded", action="store_true", help="every pair of recordings, no ports, as controls")
     parser.add_argument("--seeds", type=int, default=1, help="of simulated ports")
     parser.add_argument("--step", type=float, default=20.0, help="seconds between cold windows")
     parser.add_argument("--restart", type=float, default=120.0, help="seconds between restarts, 0 for none")

@@ -93,9 +93,7 @@ def _port(seed: int) -> scenes.Run:
 
 def control_runs() -> Iterator[tuple[str, str]]:
     """Yield pairs of a radar and the AIS of another place: ports with ports, with measured between them, on and on."""
-    recordings = [name for name in scenes.MEASURED if (scenes.SHARED / f"{name}.nmea").exists()]
-    others = [name for name in scenes.AIS_ALONE if recordings]
-    real = iter([*permutations(recordings, 2), *((radar, ais) for radar in recordings for ais in others)])
+    real = recorded_runs()
     seed = FIRST_PORT
     while True:
         yield (f"port:{seed}", f"port:{seed + 1}")
@@ -106,6 +104,14 @@ def control_runs() -> Iterator[tuple[str, str]]:
         seed += 2
 
 
+def recorded_runs() -> Iterator[tuple[str, str]]:
+    """Yield every pair of a measured radar and the AIS of another recording."""
+    recordings = [name for name in scenes.MEASURED if (scenes.SHARED / f"{name}.nmea").exists()]
+    others = [name for name in scenes.AIS_ALONE if recordings]
+    yield from permutations(recordings, 2)
+    yield from ((radar, ais) for radar in recordings for ais in others)
+
+
 def make_run(radar: str, ais: str, *, gyro: str = "none", seed: int = 0) -> scenes.Run:
     """Return the radar of one place with the AIS of another by their names; with a ``gyro`` beside the radar."""
     seen, heard = (_port(int(name[5:])) if name.startswith("port:") else _measured(name) for name in (radar, ais))
@@ -114,11 +120,19 @@ def make_run(radar: str, ais: str, *, gyro: str = "none", seed: int = 0) -> scen
     return scenes.foreign(seen, heard)
 
 
-def controls(*, hours: float, first: int, runs: int | None, results: Path | None, gyro: str = "none") -> None:
+def controls(
+    *,
+    hours: float,
+    first: int,
+    runs: int | None,
+    results: Path | None,
+    gyro: str = "none",
+    recorded: bool = False,
+) -> None:
     """Do the runs from ``first`` on until there are so many or they hold so many hours, and print what they say."""
     known = {} if results is None or not results.exists() else _read(results)
     done: list[Control] = []
-    for number, (radar, ais) in enumerate(control_runs()):
+    for number, (radar, ais) in enumerate(recorded_runs() if recorded else control_runs()):
         if number < first:
             continue
         if sum(c.hours for c in done) >= hours or (runs is not None and number >= first + runs):
