@@ -66,6 +66,9 @@ class NavigatorModel:
     gyro_refuted_s: float
     gyro_judged_s: float
     gyro_differs_deg: float
+    ais_jump_sigmas: float
+    ais_jump_memory_s: float
+    ais_jump_ships: int
     doubt_accepted: float
     doubt_per_nat: float
     doubt_reached: float

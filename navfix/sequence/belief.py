@@ -64,6 +64,13 @@ class Belief:
             return None
         return track
 
+    def jumped(self, track: Track | None, now_s: float, by_m: float) -> None:
+        """End a track because most AIS jumped alike: either all were shifted now, or had been before."""
+        if track is None:
+            return
+        self._end(track, now_s, f"conflict: the AIS positions of most ships have jumped by the same {by_m:.0f} m")
+        self._barred_until_s = now_s + (self._model.conflict_hold_s if track.proven else 0.0)
+
     # ------------------------------------------------------------------------------------------------ a held place
 
     def _contradicted(self, now_s: float, place: Place, *, fed: bool) -> bool:

@@ -54,7 +54,10 @@ class Former:
 
     def agrees(self, place: Place, model: NavigatorModel) -> bool:
         """Tell whether another place is this one some time later."""
-        return not self.place.carried(place.time_s, model).differs(place, model.apart_m, model.apart_deg)
+        here = self.place.carried(place.time_s, model)
+        if here.differs(place, model.apart_m, model.apart_deg):
+            return False
+        return here.misfit_sq(place, model) <= model.surprise_sq
 
 
 class Standing:

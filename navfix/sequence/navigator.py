@@ -23,6 +23,7 @@ from navfix.errors import InputError, TooFewPairs
 from navfix.kernels import Kernel
 from navfix.refinement import refined
 from navfix.sequence.acceptance import Blind, blind_of
+from navfix.sequence.ais_jump import AisJump
 from navfix.sequence.bank import Bank
 from navfix.sequence.belief import Belief
 from navfix.sequence.between_fixes import BetweenFixes
@@ -60,6 +61,8 @@ class Navigator:
         self._plain: Blind | None = None
         self._gyro = GyroCheck(self.bank.yaw, self._model)
         self._between = BetweenFixes()
+        self._ais_jump = AisJump(self._model)
+        self._jumped_m: float | None = None
         self._seen_s = -np.inf
 
     @property
@@ -101,6 +104,7 @@ class Navigator:
             )
         self._epochs.append(epoch)
         self.bank.yaw.feed(epoch)
+        self._jumped_m = self._ais_jump.feed(epoch) or self._jumped_m
         self._between.carry(self._gyro.believed(epoch))
         if self._track is not None and now_s - self._seen_s > self._model.unseen_s:
             self._track.drift_to(self._between.drifted(self._track.place_at(now_s)), now_s)
@@ -118,6 +122,9 @@ class Navigator:
         blind = self._solve_blind(now_s) if seen else None
         if seen:
             self._update_bank(now_s, blind)
+        if self._jumped_m is not None:
+            self._belief.jumped(self._track, now_s, self._jumped_m)
+            self._track = self._jumped_m = None
         self._track = self._belief.decide(
             self._track,
             now_s,
@@ -213,6 +220,8 @@ class Navigator:
                 track.proven = True
                 track.standing.confirm(now_s)
                 return track.take_blind(blind, self._adjust, now_s)
+            if self._belief.acceptance.fair(best) and track.surprised_by(best.place):
+                return None
         if track.adrift:
             return None
         begin = track.prior_for(now_s - self._model.window_s)
@@ -248,6 +257,8 @@ class Navigator:
             return f"no echo and mark together for {now_s - self._seen_s:.0f} s: only dead reckoning goes on"
         if track.adrift:
             return "own ship went unseen for too long to be looked for near dead reckoning: a blind solve must find her"
+        if track.protection.startled:
+            return "the window lies farther from where the track says than chance explains"
         return "the window holds too little for a fix"
 
 

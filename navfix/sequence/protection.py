@@ -42,6 +42,11 @@ class TrackProtection:
         return full and min(self._innovations) > self._model.surprise_sq
 
     @property
+    def startled(self) -> bool:
+        """Whether the newest window lay farther from its prior than one in a thousand does."""
+        return bool(self._innovations) and self._innovations[-1] > self._model.surprise_sq
+
+    @property
     def innovation(self) -> float | None:
         """The newest squared distance, None before there is one."""
         return self._innovations[-1] if self._innovations else None

@@ -27,6 +27,7 @@ from navfix.sequence.yaw import YawLog
 from navfix.types import Association, DeadReckoning, Epoch, Fix
 from navfix.units import wrap_180
 
+_SURPRISED = "given up: three windows in a row lay far from where the track said that they would"
 _BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
 
 REFUTES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
@@ -109,8 +110,31 @@ class Track:
         return self.given_up.startswith("lost")
 
     def agrees(self, place: Place) -> bool:
-        """Tell whether another place of now is this one, and lies the same way round."""
+        """Tell whether another place of now is this one: near, the same way round, and no surprise to what is known."""
+        return self._beside(place) and self._innovation(place) <= self._model.surprise_sq
+
+    def surprised_by(self, place: Place) -> bool:
+        """Tell whether a place of now is neither this one nor clearly elsewhere: own ship or all AIS have jumped.
+
+        So many of them in a row end the track, as windows do that lie far from their prior.
+        """
+        if not self._beside(place) or self._drifted:
+            return False
+        innovation = self._innovation(place)
+        if innovation <= self._model.surprise_sq:
+            return False
+        self.protection.note_innovation(innovation)
+        if self.protection.surprised:
+            self.given_up = _SURPRISED
+        return True
+
+    def _beside(self, place: Place) -> bool:
         return not self.place_at(place.time_s).differs(place, self._model.apart_m, self._model.apart_deg)
+
+    def _innovation(self, place: Place) -> float:
+        """Return how far a blind place lies, squared in sigmas: from the newest place, and from what shares no data."""
+        older = self.prior_for(place.time_s - self._model.window_s).carried(place.time_s, self._model)
+        return max(here.misfit_sq(place, self._model) for here in (self.place_at(place.time_s), older))
 
     def prior_for(self, begin_s: float) -> Place:
         """Return the newest place whose data are all older than ``begin_s``, or the oldest there is."""
@@ -136,6 +160,7 @@ class Track:
         settled = settle(found, window.prior, fewest_marks=window.field.model.fewest_marks)
         answer = associate.window_answer(found, settled)
         place = self._place(window, settled.pose, now_s)
+        self.protection.note_innovation(self._innovation(place))
         self.protection.note_blind(place, self.place_at(now_s))
         given_place = float(answers.evidence[0]) + window.prior.log_area - _log_prior_area(self._model)
         fix = adjust(window.epochs, answer, None) if self._matched_now(answer, window, now_s) else None
@@ -220,12 +245,13 @@ class Track:
             level_m = self.protection.level_m(held.place)
             held = replace(held, fix=with_window_integrity(held.fix, level_m))
         self.last, self.fresh = held, False
-        self._history.append(held.place)
+        if held.fix is not None or held.source == "blind":  # what matched too little tells nothing of the place
+            self._history.append(held.place)
         while len(self._history) > 1 and now_s - self._history[1].time_s > self._model.window_s + 5.0:
             self._history.popleft()
         self.given_up = _why_lost(held.place, self._model)
         if self.protection.surprised:
-            self.given_up = "given up: three windows in a row lay far from where the track said that they would"
+            self.given_up = _SURPRISED
         self._watch(held.evidence, now_s)
         return held
 
