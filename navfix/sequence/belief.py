@@ -68,7 +68,8 @@ class Belief:
         """End a track because most AIS jumped alike: either all were shifted now, or had been before."""
         if track is None:
             return
-        self._end(track, now_s, f"conflict: the AIS positions of most ships have jumped by the same {by_m:.0f} m")
+        reason = f"conflict: the AIS positions of most ships have jumped by the same {by_m:.0f} m"
+        self._end(track, now_s, reason, within_m=0.5 * by_m)
         self._barred_until_s = now_s + (self._model.conflict_hold_s if track.proven else 0.0)
 
     # ------------------------------------------------------------------------------------------------ a held place
@@ -106,11 +107,11 @@ class Belief:
         if any(h.place.carried(now_s, model).distance_m(place) <= model.same_m for h in self.believed):
             track.proven = True
 
-    def _end(self, track: Track, now_s: float, reason: str) -> None:
+    def _end(self, track: Track, now_s: float, reason: str, within_m: float = math.inf) -> None:
         """End a track: what was given out stays in mind, and nothing is given out now."""
         self.reason = reason if not reason.startswith("conflict") else f"{reason}; none is given out"
         if track.standing.stated is not None and not track.lost:
-            self.former = Former(track.place_at(now_s), track.standing.stated, now_s)
+            self.former = Former(track.place_at(now_s), track.standing.stated, now_s, within_m)
 
     def elsewhere(self, place: Place, now_s: float) -> list[Hypothesis]:
         """Return the believed places that are not this one."""

@@ -38,11 +38,15 @@ def against(probability: float, former: float) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Former:
-    """A place that was given out and has ended: ``doubt`` is the probability of being wrong that was stated last."""
+    """A place that was given out and has ended: ``doubt`` is the probability of being wrong that was stated last.
+
+    Only what lies ``within_m`` of it is taken for the same place: after a jump of all AIS half of its size.
+    """
 
     place: Place
     doubt: float
     ended_s: float
+    within_m: float = math.inf
 
     def doubt_at(self, now_s: float, model: NavigatorModel) -> float:
         """Return how likely it was wrong, as far as it still counts: its memory fades with ``former_s``."""
@@ -54,10 +58,8 @@ class Former:
 
     def agrees(self, place: Place, model: NavigatorModel) -> bool:
         """Tell whether another place is this one some time later."""
-        here = self.place.carried(place.time_s, model)
-        if here.differs(place, model.apart_m, model.apart_deg):
-            return False
-        return here.misfit_sq(place, model) <= model.surprise_sq
+        within_m = min(model.apart_m, self.within_m)
+        return not self.place.carried(place.time_s, model).differs(place, within_m, model.apart_deg)
 
 
 class Standing:

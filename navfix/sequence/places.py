@@ -76,10 +76,13 @@ class Place:
         unknown = self.turned_unseen or other.turned_unseen
         return self.distance_m(other) > apart_m or (not unknown and self.turn_deg(other) > apart_deg)
 
-    def misfit_sq(self, other: Place, model: NavigatorModel) -> float:
-        """Return how far another place of now lies, squared, in sigmas of both, this one widened as a prior is."""
+    def misfit_sq(self, other: Place, model: NavigatorModel, swept_m: float = 0.0) -> float:
+        """Return how far another place of now lies, squared, in sigmas of both, this one widened as a prior is.
+
+        ``swept_m`` is how far a turn since may have led from the straight way.
+        """
         offset = LocalPlane(self.position).to_plane(other.position)
-        widened = model.prior_factor**2 * self.covariance[:2, :2] + model.prior_m**2 * np.eye(2)
+        widened = model.prior_factor**2 * self.covariance[:2, :2] + (model.prior_m**2 + swept_m**2) * np.eye(2)
         return float(offset @ np.linalg.solve(widened + other.covariance[:2, :2], offset))
 
     @cached_property

@@ -110,8 +110,8 @@ class Track:
         return self.given_up.startswith("lost")
 
     def agrees(self, place: Place) -> bool:
-        """Tell whether another place of now is this one: near, the same way round, and no surprise to what is known."""
-        return self._beside(place) and self._innovation(place) <= self._model.surprise_sq
+        """Tell whether another place of now is this one: near, the same way round, no surprise after the newest."""
+        return self._beside(place) and (self._drifted or self._innovation(place) <= self._model.surprise_sq)
 
     def surprised_by(self, place: Place) -> bool:
         """Tell whether a place of now is neither this one nor clearly elsewhere: own ship or all AIS have jumped.
@@ -132,9 +132,14 @@ class Track:
         return not self.place_at(place.time_s).differs(place, self._model.apart_m, self._model.apart_deg)
 
     def _innovation(self, place: Place) -> float:
-        """Return how far a blind place lies, squared in sigmas: from the newest place, and from what shares no data."""
-        older = self.prior_for(place.time_s - self._model.window_s).carried(place.time_s, self._model)
-        return max(here.misfit_sq(place, self._model) for here in (self.place_at(place.time_s), older))
+        """Return how far a blind place lies from the newest one, squared in sigmas; 0 where that is of too long ago."""
+        before, model = self._history[-1], self._model
+        after_s = place.time_s - before.time_s
+        if after_s > 2.0 * model.cold_every_s:
+            return 0.0
+        turned_deg = 0.0 if before.yaw is None else before.yaw.between_deg(before.time_s, place.time_s)
+        swept_m = abs(before.velocity_mps) * after_s * abs(math.sin(math.radians(turned_deg) / 2.0))
+        return before.carried(place.time_s, model).misfit_sq(place, model, swept_m)
 
     def prior_for(self, begin_s: float) -> Place:
         """Return the newest place whose data are all older than ``begin_s``, or the oldest there is."""

@@ -54,6 +54,7 @@ def _gyro(off_deg: float) -> Attack:
 
 ATTACKS: dict[str, Attack] = {
     "none": lambda seed: tell(hostile.scene(seed)),
+    "all AIS jump by 300 m": _changed(hostile.jump(180.0, -240.0)),
     "all AIS jump by 600 m": _changed(hostile.jump(360.0, -480.0)),
     "all AIS jump by 1500 m": _changed(hostile.jump(900.0, -1200.0)),
     "all AIS jump by 1500 m, for 15 min": lambda seed: tell(
