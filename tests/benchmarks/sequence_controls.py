@@ -23,6 +23,7 @@ from navfix.sequence import Navigator
 RUN_S = 1800.0
 STEP_S = 5.0
 FIRST_PORT = 5000
+SAME_AIS = {("semi_real/dense_sf", "ais_logs/PacCupStart.txt"), ("semi_real/coastal_hakefjord", "ais_logs/hakan.txt")}
 PORTS = ((0.5, 20), (0.35, 24), (0.3, 12), (0.2, 30), (0.13, 24), (0.13, 40))  # share with AIS, echoes
 
 
@@ -105,11 +106,11 @@ def control_runs() -> Iterator[tuple[str, str]]:
 
 
 def recorded_runs() -> Iterator[tuple[str, str]]:
-    """Yield every pair of a measured radar and the AIS of another recording."""
+    """Yield every pair of a measured radar and the AIS of another recording; two logs hold the AIS of a recording."""
     recordings = [name for name in scenes.MEASURED if (scenes.SHARED / f"{name}.nmea").exists()]
     others = [name for name in scenes.AIS_ALONE if recordings]
     yield from permutations(recordings, 2)
-    yield from ((radar, ais) for radar in recordings for ais in others)
+    yield from ((radar, ais) for radar in recordings for ais in others if (radar, ais) not in SAME_AIS)
 
 
 def make_run(radar: str, ais: str, *, gyro: str = "none", seed: int = 0) -> scenes.Run:
