@@ -181,3 +181,29 @@ def test_where_there_is_a_compass_a_place_needs_a_larger_lead():
         leads[price] = acceptance._needed_lead(h)
     assert leads[0.0] == MODEL.least_ahead
     assert leads[3.0] == pytest.approx(MODEL.least_ahead + 3.0)
+
+
+def test_a_blind_place_that_surprises_the_track_is_not_its_fix_and_three_in_a_row_end_it():
+    track = Track(place(sigma_m=20.0), MODEL, NOW_S)
+    near, far = place(lat_deg=54.0 + 60.0 / 111e3), place(lat_deg=54.0 + 300.0 / 111e3)
+    assert track.agrees(near)
+    assert not track.surprised_by(near)
+    for _ in range(MODEL.surprises):
+        assert not track.given_up
+        assert not track.agrees(far)
+        assert track.surprised_by(far)
+    assert track.given_up.startswith("given up: three windows")
+
+
+def test_a_place_of_long_ago_is_not_surprised():
+    track = Track(place(sigma_m=20.0), MODEL, NOW_S)
+    later = replace(place(lat_deg=54.0 + 300.0 / 111e3), time_s=NOW_S + 60.0)
+    assert track.agrees(later)
+    assert not track.surprised_by(later)
+
+
+def test_after_a_jump_of_all_ais_only_what_lies_nearer_to_the_old_place_is_that():
+    shifted = place(lat_deg=54.0 + 300.0 / 111e3)
+    assert Former(place(), 0.01, NOW_S).agrees(shifted, MODEL)
+    assert not Former(place(), 0.01, NOW_S, within_m=150.0).agrees(shifted, MODEL)
+    assert Former(place(), 0.01, NOW_S, within_m=150.0).agrees(place(lat_deg=54.0005), MODEL)
