@@ -55,6 +55,7 @@ class RadarTarget:
         for name in ("range_sigma_m", "bearing_sigma_deg", "length_m"):
             value = getattr(self, name)
             require(value is None or (math.isfinite(value) and value > 0.0), f"{who}: {name}", "must be > 0", value)
+        _require_finite(self, who, ("speed_mps", "course_deg"))
         object.__setattr__(self, "bearing_deg", wrap_360(float(self.bearing_deg)))
 
 
@@ -103,6 +104,14 @@ class Mark:
             "must be 'ship', 'aton' or 'charted'",
             self.kind,
         )
+        _require_finite(self, f"mark {self.label}", ("speed_mps", "course_deg", "heading_deg", "age_s"))
+
+
+def _require_finite(record: object, who: str, names: tuple[str, ...]) -> None:
+    """Raise InputError where one of the values is neither a number nor None: what is not known is None."""
+    for name in names:
+        value = getattr(record, name)
+        require(value is None or math.isfinite(value), f"{who}: {name}", "must be finite, or None if unknown", value)
 
 
 @dataclass(frozen=True, slots=True)
