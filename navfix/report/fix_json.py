@@ -74,7 +74,8 @@ def fix_to_dict(fix: Fix) -> dict[str, Any]:
     """
     used = len({(o.target, o.mark) for o in fix.observations})
     epoch, association = fix.epoch, fix.association
-    return _head("fix", None, f"fix from {len(fix.observations)} observations of {used} pairs") | {
+    own = f"fix from {len(fix.observations)} observations of {used} pairs"
+    return _head("fix", None, own if used else "fix carried by other scans: no pair of this one") | {
         "time_utc": None if epoch is None else iso_utc(epoch.time_utc),
         "position": position_to_dict(fix.position),
         "heading_deg": plain(fix.heading_deg),

@@ -106,6 +106,11 @@ def test_observations_keep_their_order_and_their_keys() -> None:
     assert first["residual"] == pytest.approx(first["adjusted"] - first["observed"], abs=1e-6)
 
 
+def test_a_fix_that_has_no_pair_of_its_scan_says_so() -> None:
+    content = fix_to_dict(replace(make_fix(), observations=()))
+    assert content["message"] == "fix carried by other scans: no pair of this one"
+
+
 def test_pairs_and_what_is_left_over() -> None:
     content = parsed(make_answer())
     assert content["pairs"][0] == {"target": "01", "mark": "257000100", "probability": 0.999}
