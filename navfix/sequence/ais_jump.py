@@ -70,7 +70,7 @@ class AisJump:
             return
         new = report_s > before.report_s + 0.5
         by, velocity = _moved(before, mark, now_s)
-        sigma_m = math.hypot(before.mark.sigma_m, mark.sigma_m)
+        sigma_m = _sigma_m(before.mark, mark)
         if abs(by) > self._model.ais_jump_sigmas * sigma_m:
             self._jumped[mark.label] = _Jumped(now_s, by, velocity, sigma_m)
             new = True
@@ -99,6 +99,12 @@ def _moved(before: _Known, mark: Mark, now_s: float) -> tuple[complex, complex]:
     velocity = cmath.rect(before.mark.speed_mps or 0.0, course)
     offset = _offset(before.mark.position, mark.position)
     return offset - velocity * (now_s - before.time_s), velocity
+
+
+def _sigma_m(before: Mark, mark: Mark) -> float:
+    """Return 1 sigma of how far two positions of one ship differ [m]: her hull, known or not, is in both alike."""
+    hull_m = min(before.hull_sigma_m, mark.hull_sigma_m)
+    return math.sqrt(before.sigma_m**2 + mark.sigma_m**2 - 2.0 * hull_m**2)
 
 
 def _offset(origin: Position, position: Position) -> complex:

@@ -18,7 +18,9 @@ BEGIN = datetime(2026, 5, 1, tzinfo=UTC)
 SHIPS = 8
 
 
-def scans(shift: np.ndarray | None = None, *, clock_s: float = 0.0, seed: int = 1) -> list[Epoch]:
+def scans(
+    shift: np.ndarray | None = None, *, clock_s: float = 0.0, seed: int = 1, hull_sigma_m: float = 0.0
+) -> list[Epoch]:
     """Return 20 scans, 3 s apart: from the tenth on each ship is shifted (n, 2) m or late by ``clock_s``."""
     rng = np.random.default_rng(seed)
     place = rng.uniform(-8e3, 8e3, (SHIPS, 2))
@@ -33,7 +35,8 @@ def scans(shift: np.ndarray | None = None, *, clock_s: float = 0.0, seed: int = 
             Mark(
                 f"m{number}",
                 PLANE.to_position(*there[number].tolist()),
-                15.0,
+                float(np.hypot(15.0, hull_sigma_m)),
+                hull_sigma_m=hull_sigma_m,
                 speed_mps=float(speed[number]),
                 course_deg=float(course[number]),
                 age_s=0.0,
@@ -53,6 +56,11 @@ def jumps(epochs: list[Epoch]) -> list[tuple[int, float]]:
 def test_a_jump_alike_is_told_with_its_size_as_soon_as_most_ships_have_reported():
     found = jumps(scans(np.tile([180.0, -240.0], (SHIPS, 1))))
     assert found[0] == (11, pytest.approx(300.0, abs=20.0))
+
+
+def test_what_is_not_known_of_a_hull_hides_no_jump_for_it_is_in_both_positions_alike():
+    found = jumps(scans(np.tile([96.0, -128.0], (SHIPS, 1)), hull_sigma_m=30.0))
+    assert found[0] == (11, pytest.approx(160.0, abs=20.0))
 
 
 @pytest.mark.parametrize("seed", range(20))
