@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from navfix.catalog import NavigatorModel
 from navfix.sequence.acceptance import Acceptance, Blind
@@ -24,7 +25,7 @@ class Belief:
         self.reason = NOTHING_SEEN
         self.believed: list[Hypothesis] = []
         self.former: Former | None = None
-        self._barred_until_s = -math.inf
+        self._barred_until_s = self._jumped_s = -math.inf
 
     @property
     def best_score(self) -> float | None:
@@ -65,8 +66,14 @@ class Belief:
         return track
 
     def jumped(self, track: Track | None, now_s: float, by_m: float) -> None:
-        """End a track because most AIS jumped alike: either all were shifted now, or had been before."""
+        """End a track because most AIS jumped alike: either all were shifted now, or had been before.
+
+        Without a track the place that was given out last is met within half of the jump, too.
+        """
+        self._jumped_s = now_s
         if track is None:
+            if self.former is not None:
+                self.former = replace(self.former, within_m=min(self.former.within_m, 0.5 * by_m))
             return
         reason = f"conflict: the AIS positions of most ships have jumped by the same {by_m:.0f} m"
         self._end(track, now_s, reason, within_m=0.5 * by_m)
@@ -156,16 +163,30 @@ class Belief:
         return Track(place, model, now_s, standing=Standing(model, now_s, lead, former), yaw=self.bank.yaw)
 
     def _older(self, place: Place, former: Former) -> bool:
-        """Tell whether a place was followed long before another ended: then it is no jump of AIS; its lead counts."""
+        """Tell whether a place was followed long before another ended: then it is no jump of AIS; its lead counts.
+
+        After a jump told from the reports nothing is older: whatever was followed before has jumped with the AIS.
+        """
+        if math.isfinite(former.within_m):
+            return False
         here = self.bank.near(place)
         followed_s = 0.0 if here is None else here.windows * self._model.bank_every_s
         return followed_s >= place.time_s - former.ended_s + self._model.older_s
 
     def _follow_former(self, now_s: float) -> None:
-        """Move a former place along with own ship, as the best place of the bank tells her motion."""
-        if self.former is not None:
-            best = self.bank.hypotheses[0].place if self.bank.hypotheses else self.former.place
-            self.former = self.former.moved(now_s, best.velocity_mps, self._model)
+        """Move a former place along with own ship, as the best place of the bank tells her motion.
+
+        Where the bank's window holds a jump of all AIS its velocity is that of the jump: then the former place goes on
+        by its own, turned as own ship was seen to turn.
+        """
+        if self.former is None:
+            return
+        velocity_mps = self.former.place.velocity_turned(now_s)
+        if self.bank.hypotheses:
+            best = self.bank.hypotheses[0].place
+            if best.time_s - self._model.bank_every_s >= self._jumped_s:
+                velocity_mps = best.velocity_mps
+        self.former = self.former.moved(now_s, velocity_mps, self._model)
 
     def _why_cold(self) -> str:
         if not self.bank.hypotheses:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -59,6 +60,11 @@ class Place:
             covariance=self.covariance + grown,
             turned_unseen=self.turned_unseen or missed,
         )
+
+    def velocity_turned(self, to_s: float) -> complex:
+        """Return the velocity (north, east) [m/s] turned as own ship was seen to turn until an instant [POSIX s]."""
+        turned_deg = 0.0 if self.yaw is None else self.yaw.between_deg(self.time_s, to_s)
+        return self.velocity_mps * cmath.rect(1.0, math.radians(turned_deg))
 
     def distance_m(self, other: Place) -> float:
         """Return how far another place of the same instant lies [m]."""

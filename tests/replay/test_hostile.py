@@ -27,6 +27,20 @@ def test_after_a_jump_of_all_ais_the_shifted_place_is_not_given_out_when_the_hol
     assert set(told.statuses[-4:]) == {"conflict"}
 
 
+def test_a_place_that_followed_a_small_jump_of_all_ais_is_not_given_out_when_the_hold_is_over():
+    scene = hostile.scene(12, duration_s=460.0)  # a hypothesis of the bank goes along with the jump
+    told = hostile.tell(scene.changed(hostile.jump(180.0, -240.0), after_s=150.0))
+    assert told.fixes >= 10
+    assert told.worst_m < 100.0
+    assert set(told.statuses[-25:]) == {"conflict"}
+
+
+def test_a_jump_of_120_m_is_told_and_not_followed():
+    told = hostile.tell(hostile.scene(12, duration_s=200.0).changed(hostile.jump(72.0, -96.0), after_s=150.0))
+    assert told.worst_m < 100.0
+    assert set(told.statuses[-4:]) == {"conflict"}
+
+
 def test_a_spoofed_cluster_does_not_move_the_place():
     scene = hostile.scene(2).changed(hostile.spoofed_cluster(0.35, 1500.0, 0.0), after_s=80.0)
     told = hostile.tell(scene)

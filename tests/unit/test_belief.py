@@ -14,6 +14,7 @@ from navfix.sequence.belief import Belief
 from navfix.sequence.doubt import Former, Standing, against, by_lead
 from navfix.sequence.places import Place
 from navfix.sequence.track import Track
+from navfix.sequence.yaw import YawLog
 from navfix.types import Position
 
 NOW_S = 1000.0
@@ -146,12 +147,50 @@ def test_a_rival_that_was_followed_long_before_is_no_jump_of_all_ais():
     assert after_a_former_place(rival, 60.0).decide(None, NOW_S + 60.0, solved=False, fed=False) is not None
 
 
+def test_after_a_jump_of_all_ais_what_was_followed_before_is_no_older_for_it_jumped_too():
+    rival = hypothesis(place(54.0 + 300.0 / 111e3), 30.0)
+    rival.windows = 20
+    belief = after_a_former_place(rival, 300.0)
+    assert belief.former is not None
+    belief.former = replace(belief.former, within_m=150.0)
+    assert belief.decide(None, NOW_S + 300.0, solved=False, fed=False) is None
+    assert belief.reason.startswith("conflict: another place was given out")
+
+
+def test_a_jump_of_all_ais_counts_for_the_place_given_out_last_where_none_is_held():
+    belief = after_a_former_place(hypothesis(place(54.0 + 300.0 / 111e3), 30.0), 60.0)
+    belief.jumped(None, NOW_S + 30.0, 300.0)
+    assert belief.decide(None, NOW_S + 60.0, solved=False, fed=False) is None
+    assert belief.reason.startswith("conflict: another place was given out")
+
+
 def test_a_former_place_moves_along_with_own_ship():
     other = hypothesis(replace(place(54.1), velocity_mps=5.0 + 0j), 30.0)
     belief = after_a_former_place(other, 600.0)
     belief.decide(None, NOW_S + 600.0, solved=False, fed=False)
     assert belief.former is not None
     assert belief.former.place.distance_m(replace(place(), time_s=NOW_S + 600.0)) == pytest.approx(3000.0, rel=1e-3)
+
+
+def test_a_former_place_does_not_follow_a_jump_of_all_ais_that_the_bank_takes_for_speed():
+    jumping = hypothesis(replace(place(54.1), velocity_mps=10.0 + 0j), 30.0)
+    belief = after_a_former_place(jumping, 20.0)
+    belief.jumped(None, NOW_S, 300.0)
+    belief.decide(None, NOW_S + 20.0, solved=False, fed=False)
+    assert belief.former is not None
+    assert belief.former.place.distance_m(place()) < 1.0
+    jumping.place = replace(jumping.place, time_s=NOW_S + MODEL.bank_every_s)
+    belief.decide(None, NOW_S + 40.0, solved=False, fed=False)
+    assert belief.former.place.distance_m(place()) == pytest.approx(200.0, rel=1e-3)
+
+
+def test_a_velocity_turns_as_own_ship_was_seen_to_turn():
+    class Turned(YawLog):
+        def between_deg(self, from_s: float, to_s: float) -> float:
+            return 90.0 * (to_s - from_s) / 60.0
+
+    going = replace(place(), velocity_mps=5.0 + 0j, yaw=Turned())
+    assert going.velocity_turned(NOW_S + 60.0) == pytest.approx(5.0j)
 
 
 def test_a_place_that_ends_in_a_conflict_stays_in_mind_as_it_was_stated():
