@@ -17,6 +17,8 @@ from navfix.kernels import Kernel
 from navfix.types import Epoch, Fix, Position
 from navfix.units import wrap_180
 
+_ELSEWHERE = "the adjustment of all scans leads elsewhere"
+
 
 def refined(
     epochs: Sequence[Epoch],
@@ -55,7 +57,7 @@ def refined(
     except NoFix as error:
         return _unrefined(rough, f"the adjustment of all scans gives none ({error.reason})")
     if _misfit_sq(rough, fine) > adjustment_model().agrees_sq:
-        return _unrefined(rough, "the adjustment of all scans leads elsewhere")
+        return _unrefined(rough, _ELSEWHERE)
     unknowns = len(fine.covariance)
     covariance = fine.covariance + found.spread[:unknowns, :unknowns]
     return replace(
@@ -65,6 +67,11 @@ def refined(
         association=found.association,
         notes=fine.notes,
     )
+
+
+def contradicted(fix: Fix) -> bool:
+    """Tell whether a fix is that of an association whose scans, adjusted together, lead elsewhere."""
+    return any(_ELSEWHERE in note for note in fix.notes)
 
 
 def _unrefined(rough: Fix, why: str) -> Fix:

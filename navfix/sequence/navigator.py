@@ -21,7 +21,7 @@ from navfix.association.window.tracks import epoch_time, since_silence
 from navfix.catalog import NavigatorModel, RadarModel, WindowModel, navigator_model, window_model
 from navfix.errors import InputError, TooFewPairs
 from navfix.kernels import Kernel
-from navfix.refinement import refined
+from navfix.refinement import contradicted, refined
 from navfix.sequence.acceptance import Blind, blind_of
 from navfix.sequence.ais_jump import AisJump
 from navfix.sequence.bank import Bank
@@ -171,9 +171,13 @@ class Navigator:
         except TooFewPairs:
             return None
 
-    def _adjust(self, epochs: Sequence[Epoch], found: WindowAnswer, prior: KnownPose | None) -> Fix:
-        """Adjust a window at the place that its association found."""
-        return refined(epochs, found, radar=self._radar, kernel=self._kernel, prior=prior)
+    def _adjust(self, epochs: Sequence[Epoch], found: WindowAnswer, prior: KnownPose | None) -> Fix | None:
+        """Adjust a window at the place that its association found.
+
+        None where few pairs near a prior say one thing and all scans adjusted together another: neither is a fix.
+        """
+        fix = refined(epochs, found, radar=self._radar, kernel=self._kernel, prior=prior)
+        return None if prior is not None and contradicted(fix) else fix
 
     def _span_s(self, now_s: float) -> float:
         return now_s - epoch_time(self._epochs[0])

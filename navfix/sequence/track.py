@@ -31,7 +31,7 @@ _SURPRISED = "given up: three windows in a row lay far from where the track said
 _BY = {"log_and_gyro": " by log and gyro", "log": " by log", "last_velocity": ""}
 
 REFUTES = 16.27  # chi-square, 3 degrees of freedom, 99.9 %
-Adjust = Callable[[Sequence[Epoch], associate.WindowAnswer, KnownPose | None], Fix]
+Adjust = Callable[[Sequence[Epoch], associate.WindowAnswer, KnownPose | None], Fix | None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,6 +41,13 @@ def test_a_jump_of_120_m_is_told_and_not_followed():
     assert set(told.statuses[-4:]) == {"conflict"}
 
 
+def test_two_tracks_near_a_prior_that_all_scans_contradict_are_no_fix():
+    told = hostile.tell(hostile.scene(16, duration_s=560.0).later(430.0))  # all ships move: own motion is misread once
+    assert told.fixes >= 9
+    assert told.worst_m < 100.0
+    assert "conflict" not in told.statuses
+
+
 def test_a_spoofed_cluster_does_not_move_the_place():
     scene = hostile.scene(2).changed(hostile.spoofed_cluster(0.35, 1500.0, 0.0), after_s=80.0)
     told = hostile.tell(scene)
