@@ -14,13 +14,14 @@ import argparse
 import contextlib
 import time
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import sequence_controls
 import sequence_scenes as scenes
+from bench_hulls import at_antenna
 
 from navfix.association.window import associate
 from navfix.association.window.tracks import epoch_time
@@ -101,10 +102,18 @@ def cut(scans: Sequence[Epoch], length_s: float, step_s: float) -> Iterator[tupl
             yield tuple(kept)
 
 
-def cold(run: scenes.Run, length_s: float, step_s: float, model: WindowModel, shared: AssociationModel) -> Tally:
-    """Solve every window of a run with nothing known beforehand."""
+def cold(
+    run: scenes.Run,
+    length_s: float,
+    step_s: float,
+    model: WindowModel,
+    shared: AssociationModel,
+    *,
+    seen: Callable[[Epoch], Epoch] = lambda epoch: epoch,
+) -> Tally:
+    """Solve every window of a run with nothing known beforehand; ``seen`` changes each of its epochs."""
     tally = Tally(f"{run.name} {length_s:.0f} s")
-    for window in cut(run.epochs(), length_s, step_s):
+    for window in cut([seen(epoch) for epoch in run.epochs()], length_s, step_s):
         began_s, fix = time.process_time(), None
         with contextlib.suppress(NoFix):
             fix = refined(window, associate.solve_jointly(window, model=model, shared=shared))
@@ -163,11 +172,14 @@ def changes(args: argparse.Namespace) -> None:
         "bins of 5 s": (replace(model, bin_s=5.0), shared),
     }
     print("\n## One change at a time, 60 s\n\n" + HEAD + "\n" + RULE)
-    for run in measured(("marce/marce_01_004", "marce/marce_01_010")):
+    for run in measured():
         for name, (changed, changed_shared) in table.items():
             tally = cold(run, 60.0, 2.0 * args.step, changed, changed_shared)
             tally.name = f"{run.name}, {name}"
             print(tally.row(), flush=True)
+        tally = cold(run, 60.0, 2.0 * args.step, model, shared, seen=at_antenna)
+        tally.name = f"{run.name}, hulls left out"
+        print(tally.row(), flush=True)
 
 
 def runs(args: argparse.Namespace) -> None:
