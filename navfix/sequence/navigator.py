@@ -174,10 +174,12 @@ class Navigator:
     def _adjust(self, epochs: Sequence[Epoch], found: WindowAnswer, prior: KnownPose | None) -> Fix | None:
         """Adjust a window at the place that its association found.
 
-        None where few pairs near a prior say one thing and all scans adjusted together another: neither is a fix.
+        None where few pairs near a prior say one thing and all scans adjusted together another: neither is a fix. So
+        many marks as make a blind answer sure are not few.
         """
         fix = refined(epochs, found, radar=self._radar, kernel=self._kernel, prior=prior)
-        return None if prior is not None and contradicted(fix) else fix
+        few = len({mark for pairs in found.labels for mark in pairs.values()}) < self._model.sure_marks
+        return None if prior is not None and few and contradicted(fix) else fix
 
     def _span_s(self, now_s: float) -> float:
         return now_s - epoch_time(self._epochs[0])
